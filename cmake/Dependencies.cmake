@@ -1,0 +1,12 @@
+# All of them are Debian packages: see packages.txt. Shared with the installed package configuration.
+find_package(Threads REQUIRED)
+find_package(TBB REQUIRED)
+find_package(embree 3 REQUIRED)
+find_package(Imath REQUIRED)
+find_package(OpenImageIO REQUIRED)
+find_package(pugixml REQUIRED)
+find_package(tinyobjloader REQUIRED)
+find_package(ZLIB REQUIRED)
+find_package(fmt REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(nlohmann_json REQUIRED)

@@ -1,0 +1,51 @@
+#pragma once
+#include <memory>
+
+#include "base/transform.h"
+#include "endpoint/endpoint.h"
+
+namespace metrolux {
+
+/// The part of the image that is rendered, in pixels of the full image.
+struct FilmWindow {
+    int fullWidth = 768, fullHeight = 576;
+    int x = 0, y = 0, width = 768, height = 576;
+    int pixelCount() const { return width * height; }
+};
+
+/// A camera. Its densities are over the whole rendered window: a raster position is one of pixelCount() unit squares.
+class Camera : public Endpoint {
+  public:
+    explicit Camera(const FilmWindow& window) : window_(window) {}
+    const FilmWindow& window() const { return window_; }
+    bool isDelta() const override { return true; }  // no subpath hits a lens
+    /// Approximate width of a pixel's footprint at distance d (scene units): for the merging radius.
+    virtual float pixelFootprint(float distance) const = 0;
+    virtual Vec3f position() const = 0;
+    virtual void setSceneBounds(const Vec3f& center, float radius) { (void)center, (void)radius; }
+
+  protected:
+    FilmWindow window_;
+};
+using CameraPtr = std::shared_ptr<Camera>;
+
+enum class FovAxis { X, Y, Diagonal, Smaller, Larger };
+
+struct PerspectiveParameters {
+    Transform toWorld;              ///< camera space looks along +z, +y up, +x to the left (Mitsuba)
+    float fov = 39.3077f;           ///< degrees along the axis
+    FovAxis axis = FovAxis::X;
+    float nearClip = 1e-2f, farClip = 1e4f;
+    float principalOffsetX = 0, principalOffsetY = 0;  ///< in fractions of the image
+    float apertureRadius = 0;       ///< 0: pinhole
+    float focusDistance = 1;
+};
+CameraPtr makePerspectiveCamera(const PerspectiveParameters& parameters, const FilmWindow& window);
+
+struct OrthographicParameters {
+    Transform toWorld;  ///< the film covers [-1,1] in camera x, scaled by the map
+    float nearClip = 1e-2f, farClip = 1e4f;
+};
+CameraPtr makeOrthographicCamera(const OrthographicParameters& parameters, const FilmWindow& window);
+
+}  // namespace metrolux

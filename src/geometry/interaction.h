@@ -1,0 +1,26 @@
+#pragma once
+#include "base/frame.h"
+#include "base/math.h"
+
+namespace metrolux {
+
+class Shape;
+
+/// A point on a surface. Trivially copyable: it is stored with every path vertex.
+struct SurfaceInteraction {
+    Vec3f p;            ///< position, world space
+    Vec3f ng;           ///< unit geometric normal, pointing to the outside of the shape (never flipped toward the viewer)
+    Vec3f ns;           ///< unit shading normal, on the same side as ng by construction of the mesh normals
+    Vec3f s;            ///< unit shading tangent, along dpdu made orthogonal to ns
+    Vec3f dpdu, dpdv;   ///< partial derivatives of position with respect to uv
+    Vec2f uv;           ///< texture coordinates
+    const Shape* shape = nullptr;  ///< gives the BSDF and the emitter; for instances the prototype shape
+    uint32_t primitive = 0;        ///< triangle index within the shape, 0 for analytic shapes
+    Vec2f barycentric;             ///< weights of the triangle's second and third vertex
+
+    Frame frame() const { return {s, cross(ns, s), ns}; }
+    Vec3f toLocal(const Vec3f& v) const { return {dot(v, s), dot(v, cross(ns, s)), dot(v, ns)}; }
+    Vec3f toWorld(const Vec3f& v) const { return s * v.x + cross(ns, s) * v.y + ns * v.z; }
+};
+
+}  // namespace metrolux

@@ -1,0 +1,42 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "geometry/shape.h"
+
+namespace metrolux {
+
+/// Rays traced, for --stats and progress. Counted per thread, summed when read.
+struct RayStatistics {
+    uint64_t intersectRays = 0;
+    uint64_t shadowRays = 0;
+    double secondsInEmbree = 0;  ///< thread-seconds, from a timed subset of the rays (1 in 64), scaled up
+};
+
+/// Ray queries against all shapes of a scene (Embree). Immutable and thread-safe after construction.
+class Intersector {
+  public:
+    Intersector(const std::vector<ShapePtr>& shapes, const std::vector<Instance>& instances);
+    ~Intersector();
+    Intersector(const Intersector&) = delete;
+    Intersector& operator=(const Intersector&) = delete;
+
+    /// Nearest hit. The origin must have been moved off its own surface (offsetRayOrigin).
+    bool intersect(const Ray& ray, SurfaceInteraction& si) const;
+    /// Whether anything lies within (0, ray.tMax).
+    bool occluded(const Ray& ray) const;
+
+    void bounds(Vec3f& lower, Vec3f& upper) const;
+    static RayStatistics statistics();
+    static void resetStatistics();
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Moves p off the surface to the side of `direction`, by a distance that is safe at any coordinate
+/// (Waechter & Binder 2019, A Fast and Robust Method for Avoiding Self-Intersection).
+Vec3f offsetRayOrigin(const Vec3f& p, const Vec3f& ng, const Vec3f& direction);
+
+}  // namespace metrolux

@@ -1,0 +1,123 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/math.h"
+#include "base/transform.h"
+#include "geometry/interaction.h"
+
+namespace metrolux {
+
+class Bsdf;
+class Light;
+
+/// A point on a shape, sampled for emission or next-event estimation.
+struct ShapeSample {
+    SurfaceInteraction si;
+    float pdfArea = 0;  ///< density per area
+};
+
+/// A surface: a triangle mesh or an analytic primitive, in world space.
+class Shape {
+  public:
+    virtual ~Shape() = default;
+
+    virtual float area() const = 0;
+    /// Uniform over the area.
+    virtual ShapeSample sampleArea(const Vec2f& u) const = 0;
+    /// A point to be seen from `reference`; may prefer the visible part. `pdfArea` is the density per area of the
+    /// result. Default: sampleArea.
+    virtual std::optional<ShapeSample> sampleToward(const Vec3f& reference, const Vec2f& u) const {
+        (void)reference;
+        return sampleArea(u);
+    }
+    /// Density per area with which sampleToward(reference) picks `si`.
+    virtual float pdfToward(const Vec3f& reference, const SurfaceInteraction& si) const {
+        (void)reference, (void)si;
+        return 1.0f / area();
+    }
+    /// World-space bounds.
+    virtual void bounds(Vec3f& lower, Vec3f& upper) const = 0;
+    virtual size_t primitiveCount() const { return 1; }
+    /// Interpolated mesh attribute ("vertex_color", "face_weight" ...), or nullptr if the shape does not have it.
+    virtual bool attribute(const std::string& name, const SurfaceInteraction& si, Rgb& value) const {
+        (void)name, (void)si, (void)value;
+        return false;
+    }
+    /// Number of channels (1 or 3) of a mesh attribute, 0 when there is none of that name.
+    virtual int attributeChannels(const std::string& name) const {
+        (void)name;
+        return 0;
+    }
+
+    // Set by the loader.
+    std::string id;                           ///< name for messages
+    std::shared_ptr<const Bsdf> bsdf;         ///< never null after loading
+    std::shared_ptr<const Light> emitter;     ///< null unless the shape is an area light
+};
+using ShapePtr = std::shared_ptr<Shape>;
+
+/// Triangles in world space. Normals and uv are optional. Immutable once built.
+class TriangleMesh final : public Shape {
+  public:
+    struct Attribute {
+        std::string name;   ///< with its prefix: "vertex_..." or "face_..."
+        int channels = 3;   ///< 1 or 3
+        std::vector<float> values;
+    };
+    std::vector<Vec3f> positions;
+    std::vector<Vec3f> normals;  ///< empty, or one per vertex
+    std::vector<Vec2f> uvs;      ///< empty, or one per vertex
+    std::vector<uint32_t> indices;  ///< three per triangle
+    std::vector<Attribute> attributes;
+    bool flipNormals = false;  ///< ng and ns point to the other side
+
+    /// To be called when the vectors are filled: checks indices, drops what is not needed, builds the area table.
+    /// Throws Error for indices out of range and non-finite vertices. Triangles of zero area are kept out of sampling.
+    void finalize();
+
+    float area() const override { return totalArea_; }
+    ShapeSample sampleArea(const Vec2f& u) const override;
+    void bounds(Vec3f& lower, Vec3f& upper) const override;
+    size_t primitiveCount() const override { return indices.size() / 3; }
+    bool attribute(const std::string& name, const SurfaceInteraction& si, Rgb& value) const override;
+    int attributeChannels(const std::string& name) const override;
+
+    /// Fills everything of `si` for the point with barycentric coordinates (b1, b2) of a triangle.
+    void interaction(uint32_t triangle, const Vec2f& barycentric, SurfaceInteraction& si) const;
+
+  private:
+    float totalArea_ = 0;
+    std::vector<double> areaCdf_;
+};
+
+/// Sphere, disk and cylinder: intersected by Embree's user-geometry callbacks.
+class AnalyticShape : public Shape {
+  public:
+    /// Nearest intersection with tMin < t < tMax (tMin excludes the ray's own surface, see geometry/offset.h).
+    virtual bool intersect(const Ray& ray, float tMin, float& t, SurfaceInteraction* si) const = 0;
+};
+
+/// `radius` > 0. The map may rotate, translate and scale uniformly. uv as in Mitsuba.
+ShapePtr makeSphere(const Transform& toWorld, const Vec3f& center, float radius, bool flipNormals);
+/// The unit disk in the xy plane, normal +z, under any affine map.
+ShapePtr makeDisk(const Transform& toWorld, bool flipNormals);
+/// Cylinder from p0 to p1, without caps, normals to the outside.
+ShapePtr makeCylinder(const Transform& toWorld, const Vec3f& p0, const Vec3f& p1, float radius, bool flipNormals);
+/// The square [-1,1]^2 in the xy plane, normal +z, as two triangles.
+ShapePtr makeRectangle(const Transform& toWorld, bool flipNormals);
+/// The cube [-1,1]^3, normals outside, uv in [0,1]^2 on each face, flat shading.
+ShapePtr makeCube(const Transform& toWorld, bool flipNormals);
+
+/// A group of shapes that instances place.
+struct ShapeGroup {
+    std::vector<ShapePtr> shapes;
+};
+struct Instance {
+    std::shared_ptr<const ShapeGroup> group;
+    Transform toWorld;
+};
+
+}  // namespace metrolux

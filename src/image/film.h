@@ -1,0 +1,75 @@
+#pragma once
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "base/math.h"
+#include "endpoint/camera.h"
+#include "image/filter.h"
+#include "image/splat.h"
+
+namespace metrolux {
+
+/// Technique that made a contribution, for the count of non-finite values.
+enum class Technique : uint8_t { Hit, Nee, Connect, Splat, Merge, Count };
+const char* techniqueName(Technique technique);
+
+/// Accumulates an image pass by pass. The result does not depend on the order of calls within a pass:
+/// eye contributions of a pixel come from one task, splats are summed in fixed point.
+class Film {
+  public:
+    Film(const FilmWindow& window, const ReconstructionFilter& filter);
+
+    const FilmWindow& window() const { return window_; }
+    const ReconstructionFilter& filter() const { return filter_; }
+    int width() const { return window_.width; }
+    int height() const { return window_.height; }
+    int pixelCount() const { return window_.pixelCount(); }
+
+    /// Raster position (pixels of the full image) for the eye subpath of pixel `pixel` (index in the window), drawn
+    /// from the reconstruction filter; `weight` is the filter's sign and normalisation, to be multiplied into the
+    /// subpath's throughput.
+    Vec2f samplePosition(uint32_t pixel, const Vec2f& u, float& weight) const;
+
+    /// Adds to a pixel what its own eye subpath found. One task per pixel; not atomic.
+    void addEye(uint32_t pixel, const Rgb& value);
+    /// Adds scale * splats of a light subpath. Thread-safe and order-independent (fixed point, 64 bits).
+    void addSplats(const SplatList& splats, double scale);
+    /// As addSplats with another factor for film splats than for pixel splats.
+    void addSplats(const SplatList& splats, double pixelScale, double filmScale);
+
+    /// Closes a pass: adds it to the running sums, updates the per-pixel variance and the error estimate.
+    void endPass();
+    uint32_t passes() const { return passes_; }
+
+    /// Mean over passes, row by row, 3 floats a pixel.
+    std::vector<float> image() const;
+    /// Variance of the mean of the luminance of each pixel, from the differences between passes. For chain-based
+    /// integrators passes are correlated and this is too small: see relativeError().
+    std::vector<float> variance() const;
+    /// Estimated root of the mean squared relative error of the image, from a fixed subset of pixels and blocked
+    /// (Flyvbjerg & Petersen 1989) pass means, which holds for correlated passes too. Infinity before it is known.
+    double relativeError() const;
+
+    /// Non-finite contributions were counted instead of added (ARCHITECTURE.md).
+    uint64_t nonFinite(Technique technique) const { return nonFinite_[static_cast<int>(technique)].load(); }
+    void countNonFinite(Technique technique) { nonFinite_[static_cast<int>(technique)].fetch_add(1); }
+    /// True (and counted) when a contribution may not enter the film.
+    bool rejectNonFinite(const Rgb& value, Technique technique) {
+        if (isFinite(value)) return false;
+        countNonFinite(technique);
+        return true;
+    }
+
+  private:
+    struct Implementation;
+    FilmWindow window_;
+    ReconstructionFilter filter_;
+    uint32_t passes_ = 0;
+    std::atomic<uint64_t> nonFinite_[static_cast<int>(Technique::Count)] = {};
+    std::shared_ptr<Implementation> implementation_;
+};
+
+}  // namespace metrolux

@@ -1,0 +1,36 @@
+#pragma once
+#include <vector>
+
+#include "base/math.h"
+
+namespace metrolux {
+
+/// What one light subpath contributes: to the pixel of an eye subpath (connections and merges), or to a raster
+/// position (connections to the camera), which the film spreads with its filter.
+struct SplatList {
+    struct PixelSplat {
+        uint32_t pixel;  ///< index within the rendered window, row by row
+        Rgb value;
+    };
+    struct FilmSplat {
+        Vec2f position;  ///< raster position in pixels of the full image
+        Rgb value;       ///< per pixel area
+    };
+    std::vector<PixelSplat> pixels;
+    std::vector<FilmSplat> film;
+
+    void clear() {
+        pixels.clear();
+        film.clear();
+    }
+    bool empty() const { return pixels.empty() && film.empty(); }
+    /// Sum of luminances: F(u) of ALGORITHM.md section 3.
+    double size() const {
+        double sum = 0;
+        for (const PixelSplat& s : pixels) sum += luminance(s.value);
+        for (const FilmSplat& s : film) sum += luminance(s.value);
+        return sum;
+    }
+};
+
+}  // namespace metrolux

@@ -1,0 +1,43 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "image/film.h"
+#include "scene/scene.h"
+
+namespace metrolux {
+
+/// Everything that changes what an integrator computes. Same options, scene and pass count: the same bits.
+struct IntegratorOptions {
+    uint64_t seed = 0;
+    PathLimits limits;
+    double radius = 0;               ///< first merging radius in scene units; 0: from the projected pixel size
+    double radiusAlpha = 0.75;       ///< [HPJ12] schedule
+    size_t memoryBytes = 0;          ///< bound for what a pass stores; 0: no bound
+    bool kelemenKernel = false;      ///< mcmc_vcm: [Kel02]'s mutation instead of eq. 4-5
+    int lanes = 0;                   ///< mcmc_vcm: number of independent lanes; 0: default
+    std::string replicas = "uvf";    ///< mcmc_vcm: which replicas take part (study of each alone)
+};
+
+/// A progressive integrator: an image after each pass (nori's integrator.h, with passes).
+class Integrator {
+  public:
+    virtual ~Integrator() = default;
+    /// Adds one pass (one sample, light path or mutation per pixel) to the film and calls film.endPass().
+    virtual void renderPass(Film& film) = 0;
+    /// What a user may want to know: acceptance rates, normalisations, radius ...
+    virtual nlohmann::json statistics() const = 0;
+    /// Short text for the progress line, may be empty.
+    virtual std::string progressNote() const { return {}; }
+};
+
+/// Names of all integrators, with a line of description each.
+std::vector<std::pair<std::string, std::string>> integratorList();
+/// Throws Error for an unknown name, with the nearest known one.
+std::unique_ptr<Integrator> makeIntegrator(const std::string& name, const Scene& scene,
+                                           const IntegratorOptions& options);
+
+}  // namespace metrolux

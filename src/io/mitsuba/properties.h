@@ -1,0 +1,93 @@
+#pragma once
+/// A plugin element of a Mitsuba scene (<bsdf type="..."> ...) with its typed properties and children, after
+/// includes, defaults, references and the upgrade of 0.5/0.6 names. Every property that is read is marked; what is left
+/// over is an error that names file, line and element and suggests the nearest name that the plugin knows.
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/transform.h"
+
+namespace metrolux::mitsuba {
+
+/// Where something stands, for messages: "scene.xml:12".
+struct Location {
+    std::string file;
+    int line = 0;
+    std::string str() const { return file + ":" + std::to_string(line); }
+};
+
+class Element;
+using ElementPtr = std::shared_ptr<const Element>;
+
+/// <rgb value="..."/>, and <srgb>: already linear.
+struct RgbValue {
+    Rgb value;
+};
+/// <spectrum value="..."/> or a blackbody: wavelength-value pairs, or one uniform value. Converted by what reads it, because
+/// reflectances and emission convert differently (io/mitsuba/spectrum.h).
+struct SpectrumValue {
+    std::vector<float> wavelengths;  ///< nanometres, ascending; empty for a uniform value
+    std::vector<float> values;
+    float blackbodyKelvin = 0;  ///< > 0: Planck's law, `values[0]` is the scale
+};
+
+struct Property {
+    std::variant<bool, int64_t, double, std::string, Vec3f, Transform, RgbValue, SpectrumValue, ElementPtr> value;
+    Location location;
+    mutable bool used = false;
+};
+
+class Element {
+  public:
+    std::string tag;    ///< "bsdf", "shape", "emitter" ...
+    std::string type;   ///< plugin type, lower case as written
+    std::string id;     ///< empty if it has none
+    Location location;
+    std::vector<std::pair<std::string, Property>> named;  ///< in order of appearance; names in 3.x form
+    std::vector<Property> children;                       ///< nested elements without a name (ElementPtr each)
+
+    bool has(const std::string& name) const { return find(name) != nullptr; }
+    const Property* find(const std::string& name) const;  ///< also marks the name as known; does not mark it used
+
+    // Typed access; marks the property as used; throws Error (file, line, element, found, expected) on a wrong type.
+    bool boolean(const std::string& name, bool fallback) const;
+    int64_t integer(const std::string& name, int64_t fallback) const;
+    /// Throws for NaN and infinity.
+    float number(const std::string& name, float fallback) const;
+    std::string string(const std::string& name, const std::string& fallback) const;
+    std::string requiredString(const std::string& name) const;
+    Vec3f vector(const std::string& name, const Vec3f& fallback) const;  ///< <point> or <vector>
+    Transform transform(const std::string& name) const;                  ///< identity if absent
+    /// A nested or referenced element under this name, or null.
+    ElementPtr child(const std::string& name) const;
+    /// Unnamed children with the tag ("bsdf", "emitter", ...), marked used.
+    std::vector<ElementPtr> childrenOf(const std::string& tag) const;
+    /// Reads and forgets a property that has no effect here (near_clip's relatives, sampler settings ...).
+    void ignore(const std::string& name) const;
+
+    /// Error text that begins with the location and the element: `scene.xml:12: <bsdf type="plastic">: ...`.
+    Error error(const std::string& message) const;
+    Error error(const Property& property, const std::string& message) const;
+
+    /// Throws (or, if lenient, appends a warning) for each property or child that nothing has read, with the nearest
+    /// known name. To be called once the plugin is built.
+    void checkAllUsed(bool lenient, std::vector<std::string>& warnings) const;
+
+    bool legacy = false;  ///< from a 0.x scene: defaults that differ between versions follow it
+
+  private:
+    mutable std::vector<std::string> known_;  // names that were asked for: candidates for suggestions
+};
+
+/// The candidate nearest to `name` in edit distance, or "" if nothing is near.
+std::string nearestName(const std::string& name, const std::vector<std::string>& candidates);
+
+}  // namespace metrolux::mitsuba

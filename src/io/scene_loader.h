@@ -1,0 +1,21 @@
+#pragma once
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "scene/scene.h"
+
+namespace metrolux {
+
+struct LoadOptions {
+    std::map<std::string, std::string> defines;  ///< -D name=value: override <default>s
+    bool lenient = false;                        ///< unknown plugins and properties warn instead of failing
+    int width = 0, height = 0;                   ///< --resolution; 0: the film's
+    bool hasCrop = false;
+    int cropX = 0, cropY = 0, cropWidth = 0, cropHeight = 0;  ///< --crop, pixels of the full image
+};
+
+/// Reads a Mitsuba XML scene. Throws Error.
+SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options);
+
+}  // namespace metrolux

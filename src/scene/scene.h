@@ -1,0 +1,76 @@
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "base/distribution.h"
+#include "endpoint/camera.h"
+#include "endpoint/light.h"
+#include "geometry/intersector.h"
+#include "geometry/shape.h"
+#include "image/filter.h"
+#include "scattering/bsdf.h"
+
+namespace metrolux {
+
+/// Path-length limits of the scene's <integrator>.
+struct PathLimits {
+    int maxDepth = -1;   ///< largest number of path edges; -1: no limit. 1 sees lights only, 2 is direct light.
+    int rouletteDepth = 5;  ///< edges of a subpath before roulette begins
+    bool hideEmitters = false;  ///< directly visible lights are not shown
+};
+
+/// What a loader makes: parts, before the scene is built.
+struct SceneParts {
+    std::vector<ShapePtr> shapes;          ///< with bsdf and emitter set
+    std::vector<Instance> instances;
+    std::vector<LightPtr> lights;          ///< all lights, area lights included
+    CameraPtr camera;
+    PathLimits limits;
+    std::string integrator = "path";       ///< type named by the scene, for `-i scene`
+    ReconstructionFilter::Kind filterKind = ReconstructionFilter::Kind::Gaussian;
+    ReconstructionFilter::Parameters filter;
+    std::vector<std::string> warnings;     ///< what --lenient let pass, and what was understood but has no effect
+    std::string source;                    ///< file name
+};
+
+/// Immutable after construction.
+class Scene {
+  public:
+    explicit Scene(SceneParts parts);
+
+    bool intersect(const Ray& ray, SurfaceInteraction& si) const { return intersector_->intersect(ray, si); }
+    /// Whether the segment between two surface points is free. The normals (zero when there is none) serve to move the
+    /// ends off their surfaces.
+    bool visible(const Vec3f& a, const Vec3f& ngA, const Vec3f& b, const Vec3f& ngB) const;
+    /// Whether x sees infinity in direction w.
+    bool visibleToInfinity(const Vec3f& x, const Vec3f& ng, const Vec3f& w) const;
+
+    const Camera& camera() const { return *parts_.camera; }
+    const std::vector<LightPtr>& lights() const { return parts_.lights; }
+    const Light* environment() const { return environment_; }
+    const SceneParts& parts() const { return parts_; }
+    const SceneBounds& bounds() const { return bounds_; }
+
+    struct LightChoice {
+        const Light* light = nullptr;
+        float probability = 0;
+    };
+    /// Picks a light for next-event estimation at x.
+    LightChoice chooseLightForConnection(const Vec3f& x, float& u) const;
+    float connectionProbability(const Vec3f& x, const Light* light) const;
+    /// Picks a light that starts a light subpath.
+    LightChoice chooseLightForEmission(float& u) const;
+    float emissionProbability(const Light* light) const;
+
+  private:
+    SceneParts parts_;
+    std::unique_ptr<Intersector> intersector_;
+    SceneBounds bounds_;
+    const Light* environment_ = nullptr;
+    DiscreteDistribution emission_, connection_;
+    std::vector<std::pair<const Light*, uint32_t>> lightIndex_;  // sorted by address
+    size_t indexOf(const Light* light) const;
+};
+
+}  // namespace metrolux

@@ -33,6 +33,12 @@ class ReconstructionFilter {
     float evaluate(int pixel, int size, float x) const;
 
   private:
+    /// Part of the table that lies inside the image, in cells.
+    struct Cut {
+        double lower, upper;
+    };
+    Cut cut(int pixel, int size) const;
+
     Kind kind_;
     float radius_;
     std::vector<float> table_;          // h at cell centres over [-radius, radius]

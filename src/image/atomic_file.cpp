@@ -1,0 +1,90 @@
+#include "image/atomic_file.h"
+
+#include "base/error.h"
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fstream>
+#include <unistd.h>
+
+namespace metrolux {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Flushes a file or folder to disk; false with errno set.
+bool flush(const fs::path& path, int flags) {
+    const int descriptor = ::open(path.c_str(), flags | O_CLOEXEC);
+    if (descriptor < 0) return false;
+    const bool done = ::fsync(descriptor) == 0;
+    const int error = errno;
+    ::close(descriptor);
+    errno = error;
+    return done;
+}
+
+fs::path folderOf(const fs::path& file) {
+    const fs::path folder = file.parent_path();
+    return folder.empty() ? fs::path(".") : folder;
+}
+
+}  // namespace
+
+AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
+    if (target.filename().empty())
+        throw Error("cannot write '{}': it names a folder, expected a file", target.string());
+    std::error_code code;
+    // A link stays a link: what it points to is replaced.
+    if (fs::is_symlink(target, code)) {
+        const fs::path resolved = fs::weakly_canonical(target, code);
+        if (!code) target_ = resolved;
+    }
+    if (fs::is_directory(target_, code)) throw Error("cannot write '{}': it is a folder", target.string());
+    if (fs::exists(target_, code) && ::access(target_.c_str(), W_OK) != 0)
+        throw Error("cannot write '{}': {}", target.string(), std::strerror(errno));
+    const fs::path folder = folderOf(target_);
+    if (!fs::is_directory(folder, code))
+        throw Error("cannot write '{}': there is no folder '{}'", target.string(), folder.string());
+
+    static std::atomic<unsigned> counter{0};
+    temporary_ = folder / fmt::format(".{}.{}-{}.tmp", target_.filename().string(), ::getpid(), counter++);
+    const int descriptor = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (descriptor < 0) {
+        const int error = errno;
+        temporary_.clear();
+        throw Error("cannot write '{}': {}", target.string(), std::strerror(error));
+    }
+    ::close(descriptor);
+}
+
+AtomicFile::~AtomicFile() {
+    std::error_code ignored;
+    if (!committed_ && !temporary_.empty()) fs::remove(temporary_, ignored);
+}
+
+void AtomicFile::commit() {
+    if (!flush(temporary_, O_RDONLY))
+        throw Error("cannot write '{}': {}", target_.string(), std::strerror(errno));
+    std::error_code code;
+    fs::rename(temporary_, target_, code);
+    if (code) throw Error("cannot write '{}': {}", target_.string(), code.message());
+    committed_ = true;
+    // The name is on disk once its folder is; some file systems cannot flush folders, and the file is there
+    // anyway.
+    flush(folderOf(target_), O_RDONLY | O_DIRECTORY);
+}
+
+void checkWritable(const fs::path& target) { const AtomicFile probe(target); }
+
+void writeTextFile(const fs::path& target, std::string_view text) {
+    AtomicFile file(target);
+    std::ofstream stream(file.temporary(), std::ios::binary);
+    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+    stream.close();
+    if (!stream) throw Error("cannot write '{}': {}", target.string(), std::strerror(errno));
+    file.commit();
+}
+
+}  // namespace metrolux

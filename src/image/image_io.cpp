@@ -1,0 +1,216 @@
+#include "image/image_io.h"
+
+#include "base/error.h"
+#include "image/atomic_file.h"
+
+#include <OpenImageIO/imageio.h>
+
+namespace metrolux {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kLargestSide = 1 << 17;
+constexpr uint64_t kMostValues = uint64_t{1} << 29;  // 2 GiB of floats
+/// CIE xy of red, green, blue and white: ITU-R BT.709 with D65.
+constexpr float kRec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
+
+std::unique_ptr<OIIO::ImageInput> openImage(const fs::path& file) {
+    std::error_code code;
+    if (!fs::exists(file, code)) throw Error("cannot read image '{}': there is no such file", file.string());
+    if (fs::is_directory(file, code)) throw Error("cannot read image '{}': it is a folder", file.string());
+    OIIO::ImageSpec request;
+    request.attribute("oiio:UnassociatedAlpha", 1);
+    auto input = OIIO::ImageInput::open(file.string(), &request);
+    if (!input) throw Error("cannot read image '{}': {}", file.string(), OIIO::geterror());
+
+    const OIIO::ImageSpec& spec = input->spec();
+    if (spec.deep)
+        throw Error("cannot read image '{}': it has deep pixels, expected flat ones", file.string());
+    if (spec.depth > 1) throw Error("cannot read image '{}': it is a volume", file.string());
+    const uint64_t values = static_cast<uint64_t>(std::max(spec.width, 0)) * std::max(spec.height, 0) *
+                            std::max(spec.nchannels, 0);
+    if (values == 0) throw Error("cannot read image '{}': it has no pixels", file.string());
+    if (spec.width > kLargestSide || spec.height > kLargestSide || values > kMostValues)
+        throw Error(
+            "cannot read image '{}': {}x{} pixels of {} channels is more than the largest size of {} values",
+            file.string(), spec.width, spec.height, spec.nchannels, kMostValues);
+    return input;
+}
+
+std::vector<float> readChannels(OIIO::ImageInput& input, const fs::path& file) {
+    const OIIO::ImageSpec& spec = input.spec();
+    std::vector<float> pixels(static_cast<size_t>(spec.width) * spec.height * spec.nchannels);
+    if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()))
+        throw Error("cannot read image '{}': {}", file.string(), input.geterror());
+    return pixels;
+}
+
+/// The given channels of interleaved pixels.
+std::vector<float> selectChannels(const std::vector<float>& pixels, int channels,
+                                  const std::vector<int>& selection) {
+    const size_t count = pixels.size() / static_cast<size_t>(channels);
+    std::vector<float> result;
+    result.reserve(count * selection.size());
+    for (size_t i = 0; i < count; ++i)
+        for (int c : selection)
+            result.push_back(pixels[i * static_cast<size_t>(channels) + static_cast<size_t>(c)]);
+    return result;
+}
+
+/// Which channels of the file make the image.
+std::vector<int> imageChannels(const OIIO::ImageSpec& spec) {
+    const int r = spec.channelindex("R"), g = spec.channelindex("G"), b = spec.channelindex("B");
+    const int a = spec.channelindex("A"), y = spec.channelindex("Y");
+    std::vector<int> result;
+    if (r >= 0 && g >= 0 && b >= 0) {
+        result = {r, g, b};
+        if (a >= 0) result.push_back(a);
+    } else if (y >= 0) {
+        result = {y};
+        if (a >= 0) result.push_back(a);
+    } else {
+        const int count = spec.nchannels <= 4 ? spec.nchannels : 3;
+        for (int c = 0; c < count; ++c) result.push_back(c);
+    }
+    return result;
+}
+
+void setMetadata(OIIO::ImageSpec& spec, const Metadata& metadata) {
+    for (const auto& [name, value] : metadata) {
+        if (const auto* text = std::get_if<std::string>(&value)) spec.attribute(name, *text);
+        if (const auto* number = std::get_if<double>(&value))
+            spec.attribute(name, OIIO::TypeDesc(OIIO::TypeDesc::DOUBLE), number);
+        if (const auto* integer = std::get_if<int>(&value)) spec.attribute(name, *integer);
+    }
+}
+
+void writeThrough(const fs::path& file, const char* format, const OIIO::ImageSpec& spec, OIIO::TypeDesc type,
+                  const void* pixels) {
+    AtomicFile target(file);
+    auto output = OIIO::ImageOutput::create(format);
+    if (!output) throw Error("cannot write '{}': {}", file.string(), OIIO::geterror());
+    if (!output->open(target.temporary().string(), spec) || !output->write_image(type, pixels) ||
+        !output->close())
+        throw Error("cannot write '{}': {}", file.string(), output->geterror());
+    target.commit();
+}
+
+void checkImage(const fs::path& file, const ImageData& image) {
+    if (image.channels != 3 || image.width <= 0 || image.height <= 0 ||
+        image.pixels.size() != static_cast<size_t>(image.width) * static_cast<size_t>(image.height) * 3)
+        throw Error("cannot write '{}': the image is not one of 3 channels", file.string());
+}
+
+void writePng8(const fs::path& file, const ImageData& image, const std::vector<uint8_t>& bytes) {
+    OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
+    spec.attribute("oiio:ColorSpace", "sRGB");
+    writeThrough(file, "png", spec, OIIO::TypeDesc::UINT8, bytes.data());
+}
+
+uint8_t toByte(float display) {
+    return static_cast<uint8_t>(std::lround(255 * (display > 0 ? std::min(display, 1.0f) : 0.0f)));
+}
+
+}  // namespace
+
+ImageData readImage(const fs::path& file, bool raw) {
+    const auto input = openImage(file);
+    const OIIO::ImageSpec& spec = input->spec();
+    ImageData image;
+    image.width = spec.width;
+    image.height = spec.height;
+    const std::vector<int> selection = imageChannels(spec);
+    image.channels = static_cast<int>(selection.size());
+    image.pixels = readChannels(*input, file);
+    if (image.channels != spec.nchannels)
+        image.pixels = selectChannels(image.pixels, spec.nchannels, selection);
+
+    if (!raw && !spec.format.is_floating_point()) {
+        const int colours = image.channels % 2 == 0 ? image.channels - 1 : image.channels;
+        for (size_t i = 0; i < image.pixels.size(); ++i)
+            if (static_cast<int>(i % static_cast<size_t>(image.channels)) < colours)
+                image.pixels[i] = decodeSrgb(image.pixels[i]);
+    }
+    return image;
+}
+
+void writeExr(const fs::path& file, const ImageData& image, const std::vector<ImageLayer>& layers,
+              const Metadata& metadata) {
+    checkImage(file, image);
+    const size_t count = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
+    std::vector<std::string> names{"R", "G", "B"};
+    for (const ImageLayer& layer : layers) {
+        if (layer.pixels.size() != count * layer.channels.size())
+            throw Error("cannot write '{}': layer '{}' does not have the size of the image", file.string(),
+                        layer.name);
+        for (const std::string& channel : layer.channels) names.push_back(layer.name + "." + channel);
+    }
+    std::vector<float> pixels;
+    pixels.reserve(count * names.size());
+    for (size_t i = 0; i < count; ++i) {
+        pixels.insert(pixels.end(), image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i),
+                      image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
+        for (const ImageLayer& layer : layers) {
+            const size_t n = layer.channels.size();
+            pixels.insert(pixels.end(), layer.pixels.begin() + static_cast<std::ptrdiff_t>(n * i),
+                          layer.pixels.begin() + static_cast<std::ptrdiff_t>(n * (i + 1)));
+        }
+    }
+    OIIO::ImageSpec spec(image.width, image.height, static_cast<int>(names.size()), OIIO::TypeDesc::FLOAT);
+    spec.channelnames = names;
+    spec.attribute("compression", "zip");
+    spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), kRec709);
+    setMetadata(spec, metadata);
+    writeThrough(file, "openexr", spec, OIIO::TypeDesc::FLOAT, pixels.data());
+}
+
+Metadata readMetadata(const fs::path& file) {
+    const auto input = openImage(file);
+    Metadata result;
+    for (const OIIO::ParamValue& p : input->spec().extra_attribs) {
+        if (p.type() == OIIO::TypeDesc::STRING) result.emplace_back(p.name().string(), p.get_string());
+        if (p.type() == OIIO::TypeDesc::INT) result.emplace_back(p.name().string(), p.get_int());
+        if (p.type() == OIIO::TypeDesc::FLOAT) result.emplace_back(p.name().string(), double{p.get_float()});
+        if (p.type() == OIIO::TypeDesc::DOUBLE)
+            result.emplace_back(p.name().string(), *static_cast<const double*>(p.data()));
+    }
+    return result;
+}
+
+ImageLayer readLayer(const fs::path& file, const std::string& name) {
+    const auto input = openImage(file);
+    const OIIO::ImageSpec& spec = input->spec();
+    ImageLayer layer;
+    layer.name = name;
+    std::vector<int> selection;
+    for (int c = 0; c < spec.nchannels; ++c) {
+        const std::string& channel = spec.channelnames[static_cast<size_t>(c)];
+        if (channel.rfind(name + ".", 0) != 0) continue;
+        layer.channels.push_back(channel.substr(name.size() + 1));
+        selection.push_back(c);
+    }
+    if (selection.empty()) throw Error("image '{}' has no layer '{}'", file.string(), name);
+    layer.pixels = selectChannels(readChannels(*input, file), spec.nchannels, selection);
+    return layer;
+}
+
+void writePng(const fs::path& file, const ImageData& image, float exposure, ToneCurve curve) {
+    checkImage(file, image);
+    std::vector<uint8_t> bytes(image.pixels.size());
+    for (size_t i = 0; i < bytes.size(); i += 3) {
+        const Rgb display =
+            tonemap({image.pixels[i], image.pixels[i + 1], image.pixels[i + 2]}, exposure, curve);
+        for (size_t c = 0; c < 3; ++c) bytes[i + c] = toByte(display[static_cast<int>(c)]);
+    }
+    writePng8(file, image, bytes);
+}
+
+void writePngRaw(const fs::path& file, const ImageData& image) {
+    checkImage(file, image);
+    std::vector<uint8_t> bytes(image.pixels.size());
+    for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = toByte(image.pixels[i]);
+    writePng8(file, image, bytes);
+}
+
+}  // namespace metrolux

@@ -1,0 +1,55 @@
+#pragma once
+#include "image/tonemap.h"
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace metrolux {
+
+struct ImageData {
+    int width = 0, height = 0, channels = 0;
+    std::vector<float> pixels;  ///< row by row from the top, channels interleaved
+
+    const float* at(int x, int y) const {
+        return &pixels[(static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) *
+                       static_cast<size_t>(channels)];
+    }
+};
+
+/// Reads EXR, HDR, PNG, JPEG, BMP, TGA and what else OpenImageIO knows. Thread-safe.
+///
+/// 1 channel is grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha; alpha is not multiplied into the colours, nor
+/// divided out of them. Of a file with more channels R, G, B and A are taken. Integer pixels become linear
+/// (sRGB decoded) unless `raw`, which only scales them to [0, 1]; floating-point pixels are as in the file.
+/// Throws Error naming the file.
+ImageData readImage(const std::filesystem::path& file, bool raw);
+
+/// More channels of an EXR, named "name.channel".
+struct ImageLayer {
+    std::string name;                   ///< "albedo"
+    std::vector<std::string> channels;  ///< "R", "G", "B"
+    std::vector<float> pixels;          ///< channels interleaved
+};
+using MetadataValue = std::variant<std::string, double, int>;
+using Metadata = std::vector<std::pair<std::string, MetadataValue>>;
+
+/// Writes 32-bit float EXR with lossless compression, Rec.709 chromaticities and the metadata as attributes.
+/// The file is replaced as a whole or not at all. `image` has 3 channels. Throws Error.
+void writeExr(const std::filesystem::path& file, const ImageData& image,
+              const std::vector<ImageLayer>& layers = {}, const Metadata& metadata = {});
+/// Attributes of an image file of the types that Metadata knows, as OpenImageIO names them.
+Metadata readMetadata(const std::filesystem::path& file);
+/// Channels of a layer that writeExr has written. Throws Error when the file has no such layer.
+ImageLayer readLayer(const std::filesystem::path& file, const std::string& name);
+
+/// Writes 8-bit PNG of an image with 3 channels: display = curve(2^exposure * value). As a whole or not at
+/// all.
+void writePng(const std::filesystem::path& file, const ImageData& image, float exposure = 0,
+              ToneCurve curve = ToneCurve::Srgb);
+/// The same without tone mapping: values in [0, 1] are display values.
+void writePngRaw(const std::filesystem::path& file, const ImageData& image);
+
+}  // namespace metrolux

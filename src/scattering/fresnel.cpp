@@ -12,6 +12,7 @@ float conductorReflectance(float cosine, float eta, float k) {
     const float cross = 2.0f * cosine * a;
     const float s = (modulus + cos2 - cross) / (modulus + cos2 + cross);
     const float sum = modulus * cos2 + sin2 * sin2;
+    if (!(sum > 0)) return s;  // eta = k = 0 at normal incidence
     const float p = s * (sum - cross * sin2) / (sum + cross * sin2);
     return 0.5f * (s + p);
 }

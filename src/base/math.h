@@ -48,8 +48,8 @@ inline Rgb lerp(float t, const Rgb& a, const Rgb& b) { return a * (1.0f - t) + b
 
 /// A half-line; `direction` is of unit length, so that `tMax` is a distance.
 struct Ray {
-    Vec3f origin;
-    Vec3f direction;
+    Vec3f origin{0.0f};
+    Vec3f direction{0.0f};
     float tMax = kInfinity;
 };
 

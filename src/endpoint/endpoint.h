@@ -17,21 +17,24 @@ namespace metrolux {
 
 /// A ray that leaves an endpoint.
 struct EndpointRay {
-    Vec3f origin;
-    Vec3f direction;
-    Vec3f ng;            ///< geometric normal at a surface endpoint (for offsetting the origin); zero if there is none
+    Vec3f origin{0.0f};  ///< cameras: on the near clipping plane (see Camera::projectionCenter)
+    Vec3f direction{0.0f};
+    Vec3f ng{0.0f};      ///< geometric normal at a surface endpoint (for offsetting the origin); zero if there is none
     Rgb weight{0.0f};    ///< emitted value * |cosine| / (pdfPosition * pdfDirection)
     float pdfPosition = 1;   ///< per area; 1 for a delta position
     float pdfDirection = 1;  ///< per solid angle; 1 for a delta direction. Cameras: over the whole rendered film
     float cosine = 1;        ///< |cos| between ng and direction; 1 where there is no surface
+    SurfaceInteraction surface;  ///< area lights: the point that emits, as densities() takes it
 };
 
 /// A connection between a surface point x and an endpoint.
 struct EndpointConnection {
-    Vec3f point;      ///< on the endpoint; for infinite endpoints a point beyond the scene along wi
-    Vec3f wi;         ///< unit direction from x toward the endpoint
-    float distance = 0;   ///< between x and point
-    Vec3f ng;         ///< geometric normal at `point`, zero if there is none
+    /// Where a visibility test ends: on the endpoint, or on the near clipping plane before it; for infinite endpoints a
+    /// point beyond the scene along wi.
+    Vec3f point{0.0f};
+    Vec3f wi{0.0f};   ///< unit direction from x toward the endpoint
+    float distance = 0;   ///< between x and the endpoint's own point (not the near clipping plane)
+    Vec3f ng{0.0f};   ///< geometric normal at `point`, zero if there is none
     /// Lights: emitted radiance toward x divided by pdf (intensity/distance^2 for point-like lights, irradiance for
     /// directional ones): the direct light at x is  value * S  (S contains the receiving cosine).
     /// Cameras: a light subpath that arrives at x with throughput alpha contributes
@@ -43,7 +46,7 @@ struct EndpointConnection {
     /// Densities with which sampleRay() makes the ray from `point` to x.
     float pdfPosition = 1, pdfDirection = 1;
     float cosine = 1;     ///< |cos| at the endpoint between ng and -wi; 1 where there is no surface
-    Vec2f filmPosition;   ///< cameras: raster position in pixels of the full image
+    Vec2f filmPosition{0.0f};  ///< cameras: raster position in pixels of the full image
 };
 
 /// Densities of an endpoint that a subpath has hit (area lights and environments).

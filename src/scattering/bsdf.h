@@ -37,7 +37,7 @@ struct BsdfEvaluation {
 };
 
 struct BsdfSample {
-    Vec3f direction;  ///< sampled direction, local
+    Vec3f direction{0.0f};  ///< sampled direction, local
     /// S / pdf for the two directions in their roles under the mode. For a delta lobe the delta functions cancel:
     /// Radiance: F * (radiance scaling) / p;  Importance: F / p * |cos(known)| / |cos(sampled)|, with p the probability
     /// of the lobe. (The geometric-cosine ratio that transport/ applies then cancels the cosine ratio.)

@@ -1,0 +1,85 @@
+#include "integrators/iteration.h"
+
+#include "base/parallel.h"
+#include "sampling/streams.h"
+#include "transport/subpath.h"
+
+namespace metrolux {
+
+PixelPartition::PixelPartition(const FilmWindow& window, const IntegratorOptions& options) {
+    const std::vector<uint32_t> order = hilbertOrder(window.width, window.height);
+    if (options.memoryBytes > 0) {
+        // Vertices are copied once while they are gathered; grid entries and bucket starts come on top.
+        const double verticesPerSubpath = options.limits.maxDepth < 0 ? 8 : std::clamp(options.limits.maxDepth, 1, 8);
+        const double bytesPerPixel = verticesPerSubpath * (2.0 * sizeof(Vertex) + 32);
+        parts_ = static_cast<int>(std::clamp(std::ceil(bytesPerPixel * double(order.size()) / double(options.memoryBytes)),
+                                             1.0, double(order.size())));
+    }
+    pixels_.reserve(order.size());
+    for (int part = 0; part < parts_; ++part) {
+        starts_.push_back(pixels_.size());
+        for (size_t i = part; i < order.size(); i += parts_) pixels_.push_back(order[i]);
+    }
+    starts_.push_back(pixels_.size());
+}
+
+namespace {
+
+/// Follows an eye subpath to its first smooth surface and notes the distance travelled.
+class FirstSmooth final : public SubpathVisitor {
+  public:
+    double travelled = 0;
+    bool found = false;
+    bool surface(const Vertex& v) override {
+        travelled += v.distanceToPrevious;
+        found = v.bsdf().hasSmoothLobe();
+        return !found && v.depth < 16;
+    }
+};
+
+}  // namespace
+
+double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options) {
+    if (options.radius > 0) return options.radius;
+    constexpr double kFootprints = 1.0;
+    constexpr double kFallbackFraction = 0.003;  // of the scene's radius
+    constexpr int kProbes = 4096;
+    const FilmWindow& w = scene.camera().window();
+    double sum = 0;
+    int count = 0;
+    for (int i = 0; i < kProbes; ++i) {
+        SobolStream stream(hashKey(0x726164697573, i / 64), static_cast<uint32_t>(i));
+        stream.seek(0);
+        const Vec2f u = stream.next2D();
+        FirstSmooth visitor;
+        traceEyeSubpath(scene, stream, options.limits, Strategies::path(), Vec2f(w.x + u.x * w.width, w.y + u.y * w.height),
+                        1, 0, visitor);
+        if (!visitor.found) continue;
+        sum += scene.camera().pixelFootprint(static_cast<float>(visitor.travelled));
+        ++count;
+    }
+    return count > 0 && sum > 0 ? kFootprints * sum / count : kFallbackFraction * scene.bounds().radius;
+}
+
+uint64_t lightSubpathKey(uint64_t seed, uint32_t passIndex, size_t index) {
+    return hashKey(seed, StreamPurpose::LightSubpath, passIndex, index);
+}
+
+void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t passIndex, size_t first, size_t count,
+                    double filmShare, std::vector<double>* sizes) {
+    constexpr size_t kChunk = 256;
+    const double scale = 1.0 / double(count);
+    if (sizes) sizes->assign(count, 0);
+    parallelFor((count + kChunk - 1) / kChunk, [&](size_t chunk) {
+        SplatList splats;
+        for (size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
+            IndependentStream stream(lightSubpathKey(seed, passIndex, first + i));
+            pass.evaluate(stream, splats);
+            if (splats.empty()) continue;
+            film.addSplats(splats, scale, scale * filmShare);
+            if (sizes) (*sizes)[i] = splats.size();
+        }
+    });
+}
+
+}  // namespace metrolux

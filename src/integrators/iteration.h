@@ -1,0 +1,56 @@
+#pragma once
+/// What the pass-based integrators share: which pixels an iteration covers, the merging radius, plain light passes.
+
+#include <span>
+#include <vector>
+
+#include "integrators/integrator.h"
+#include "transport/eye_pass.h"
+#include "transport/light_pass.h"
+
+namespace metrolux {
+
+/// Splits a pass into iterations whose stored eye vertices fit the memory bound. Each iteration covers a stratified part
+/// of the pixels, in the order of a Hilbert curve; together they cover every pixel once.
+class PixelPartition {
+  public:
+    PixelPartition(const FilmWindow& window, const IntegratorOptions& options);
+    int parts() const { return parts_; }
+    std::span<const uint32_t> pixels(int part) const {
+        return {pixels_.data() + starts_[part], starts_[part + 1] - starts_[part]};
+    }
+
+  private:
+    int parts_ = 1;
+    std::vector<uint32_t> pixels_;
+    std::vector<size_t> starts_;
+};
+
+/// Progressive radius of [HPJ12]: r_{i+1} = r_i ((i + alpha) / (i + 1))^(1/2), i counted from 1.
+class RadiusSchedule {
+  public:
+    RadiusSchedule(double first, double alpha) : radius_(first), alpha_(alpha) {}
+    double radius() const { return radius_; }
+    void advance() {
+        radius_ *= std::sqrt((iteration_ + alpha_) / (iteration_ + 1.0));
+        ++iteration_;
+    }
+
+  private:
+    double radius_, alpha_, iteration_ = 1;
+};
+
+/// First merging radius: a multiple of the mean width of a pixel's footprint on the surfaces that the camera sees
+/// (through mirrors and glass, at the first smooth surface). Falls back to a fraction of the scene if it sees none.
+double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options);
+
+/// Traces `count` independent light subpaths (indices `first` ...) and adds them to the film, averaged over
+/// `count`; film splats are scaled by `filmShare` besides (the part of the pass that this iteration stands for).
+/// `sizes`, if given, receives F of each light subpath.
+void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t passIndex, size_t first, size_t count,
+                    double filmShare, std::vector<double>* sizes = nullptr);
+
+/// Key of the stream of light subpath `index` of a plain pass.
+uint64_t lightSubpathKey(uint64_t seed, uint32_t passIndex, size_t index);
+
+}  // namespace metrolux

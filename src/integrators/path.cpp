@@ -1,0 +1,70 @@
+#include "integrators/path.h"
+
+#include <nlohmann/json.hpp>
+
+#include "integrators/iteration.h"
+
+namespace metrolux {
+
+namespace {
+
+/// `path`: hit and next-event estimation. `light`: splats, and emitters that the camera sees directly.
+class PathIntegrator final : public Integrator {
+  public:
+    PathIntegrator(const Scene& scene, const IntegratorOptions& options)
+        : scene_(scene), options_(options), pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
+
+    void renderPass(Film& film) override {
+        const Strategies strategies = Strategies::path();
+        EyePass pass{scene_, options_.limits, strategies, options_.seed, film.passes()};
+        pass.keepVertices = false;
+        EyeVertices none;
+        pass.run(pixels_, film, none);
+        film.endPass();
+    }
+    nlohmann::json statistics() const override { return nlohmann::json::object(); }
+
+  private:
+    const Scene& scene_;
+    IntegratorOptions options_;
+    std::vector<uint32_t> pixels_;
+};
+
+class LightIntegrator final : public Integrator {
+  public:
+    LightIntegrator(const Scene& scene, const IntegratorOptions& options)
+        : scene_(scene), options_(options), pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
+
+    void renderPass(Film& film) override {
+        const Strategies strategies = Strategies::bidirectional(1, 0);
+        EyePass eyePass{scene_, options_.limits, strategies, options_.seed, film.passes()};
+        eyePass.nextEvent = eyePass.keepVertices = eyePass.hit = false;
+        eyePass.deepest = 1;
+        EyeVertices none;
+        eyePass.run(pixels_, film, none);
+
+        const VertexGrid grid;
+        LightPass lightPass{scene_, options_.limits, strategies, none, grid, film};
+        lightPass.connect = lightPass.merge = lightPass.weighted = false;
+        plainLightPass(lightPass, film, options_.seed, film.passes(), 0, pixels_.size(), 1);
+        film.endPass();
+    }
+    nlohmann::json statistics() const override { return nlohmann::json::object(); }
+
+  private:
+    const Scene& scene_;
+    IntegratorOptions options_;
+    std::vector<uint32_t> pixels_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> makePathIntegrator(const Scene& scene, const IntegratorOptions& options) {
+    return std::make_unique<PathIntegrator>(scene, options);
+}
+
+std::unique_ptr<Integrator> makeLightIntegrator(const Scene& scene, const IntegratorOptions& options) {
+    return std::make_unique<LightIntegrator>(scene, options);
+}
+
+}  // namespace metrolux

@@ -1,0 +1,77 @@
+#pragma once
+/// Markov chains in primary sample space and replica exchange between them. A chain sees a callable that turns a
+/// stream into a value, and a target density of that value; it knows nothing of what the value means.
+
+#include <algorithm>
+#include <utility>
+
+#include "markov/mutation.h"
+
+namespace metrolux {
+
+/// A state with the value that its primary sample evaluates to. `weight` collects the expected-value weights
+/// [Kel02; Veach97] that the state has earned and that its owner has still to pay out.
+template <class Value>
+struct MarkovState {
+    PrimarySample u;
+    Value value{};
+    double weight = 0;
+};
+
+/// Metropolis-Hastings with a symmetric kernel. `Target` is callable: double(const Value&), not negative.
+template <class Value, class Target>
+class MarkovChain {
+  public:
+    MarkovChain(Target target, MutationKernel::Kind kind) : kernel_(kind), target_(std::move(target)) {}
+
+    MarkovState<Value>& state() { return state_; }
+    const MarkovState<Value>& state() const { return state_; }
+    const MutationKernel& kernel() const { return kernel_; }
+    double target(const Value& value) const { return target_(value); }
+
+    /// Evaluates a mutation of the current state into `proposal` (whose weight is reset) and returns the probability
+    /// min(1, target' / target) with which it should be accepted. `evaluate(stream, value)` fills the value.
+    template <class Evaluate>
+    double propose(Evaluate&& evaluate, MarkovState<Value>& proposal, CounterRng& rng) {
+        kernel_.mutate(state_.u, proposal.u, rng);
+        proposal.weight = 0;
+        PrimarySampleStream stream(proposal.u, rng);
+        evaluate(stream, proposal.value);
+        const double now = target_(state_.value), then = target_(proposal.value);
+        return now > 0 ? std::min(1.0, then / now) : (then > 0 ? 1.0 : 0.0);
+    }
+
+    /// Decides about the proposal. On acceptance the two states are exchanged: `proposal` then holds the old one.
+    bool decide(double acceptance, MarkovState<Value>& proposal, CounterRng& rng) {
+        const bool accepted = rng.nextDouble() < acceptance;
+        if (accepted) std::swap(state_, proposal);
+        kernel_.adapt(accepted);
+        return accepted;
+    }
+
+    /// Evaluates the current state again (the target has changed).
+    template <class Evaluate>
+    void reevaluate(Evaluate&& evaluate, CounterRng& rng) {
+        PrimarySampleStream stream(state_.u, rng);
+        evaluate(stream, state_.value);
+    }
+
+  private:
+    MutationKernel kernel_;
+    Target target_;
+    MarkovState<Value> state_;
+};
+
+/// Replica exchange: swaps the states of two chains with probability min(1, a(y) b(x) / (a(x) b(y))) for states x of a
+/// and y of b. Each chain's marginal stays what it was.
+template <class Value, class TargetA, class TargetB>
+bool exchangeReplicas(MarkovChain<Value, TargetA>& a, MarkovChain<Value, TargetB>& b, CounterRng& rng) {
+    const Value &x = a.state().value, &y = b.state().value;
+    const double now = a.target(x) * b.target(y), then = a.target(y) * b.target(x);
+    const double probability = now > 0 ? std::min(1.0, then / now) : (then > 0 ? 1.0 : 0.0);
+    if (!(rng.nextDouble() < probability)) return false;
+    std::swap(a.state(), b.state());
+    return true;
+}
+
+}  // namespace metrolux

@@ -1,0 +1,33 @@
+#pragma once
+#include <vector>
+
+#include "base/rng.h"
+#include "sampling/sample_stream.h"
+
+namespace metrolux {
+
+/// A point of primary sample space: the coordinates that have been asked for so far.
+using PrimarySample = std::vector<float>;
+
+/// Reads a PrimarySample; coordinates beyond its end are drawn uniformly and appended. That is exact: no state of the
+/// chain has used them yet, so that they are uniform and independent of everything.
+class PrimarySampleStream final : public SampleStream {
+  public:
+    PrimarySampleStream(PrimarySample& u, CounterRng& rng) : u_(u), rng_(rng) {}
+    void seek(int block) override { position_ = static_cast<size_t>(blockOffset(block)); }
+    float next1D() override {
+        while (position_ >= u_.size()) u_.push_back(rng_.next1D());
+        return u_[position_++];
+    }
+    Vec2f next2D() override {
+        const float x = next1D();
+        return {x, next1D()};
+    }
+
+  private:
+    PrimarySample& u_;
+    CounterRng& rng_;
+    size_t position_ = 0;
+};
+
+}  // namespace metrolux

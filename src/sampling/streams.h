@@ -1,0 +1,42 @@
+#pragma once
+#include "base/rng.h"
+#include "sampling/sample_stream.h"
+
+namespace metrolux {
+
+/// What a random stream is for: part of its key, so that no two purposes share numbers.
+enum class StreamPurpose : uint64_t { EyeSubpath = 1, LightSubpath = 2, Chain = 3, Seeding = 4, Replacement = 5 };
+
+/// Independent uniform numbers; coordinate c of the stream depends on (key, c) only.
+class IndependentStream final : public SampleStream {
+  public:
+    explicit IndependentStream(uint64_t key) : rng_(key) {}
+    void seek(int block) override { rng_.seek(static_cast<uint64_t>(blockOffset(block))); }
+    float next1D() override { return rng_.next1D(); }
+    Vec2f next2D() override {
+        const float x = rng_.next1D();
+        return {x, rng_.next1D()};
+    }
+
+  private:
+    CounterRng rng_;
+};
+
+/// Owen-scrambled Sobol points: one- and two-dimensional patterns, padded (each block's coordinates are stratified
+/// among themselves over the sample index, patterns of different coordinates are shuffled against each other).
+/// Hash-based scrambling after Burley 2020, Practical Hash-based Owen Scrambling, with the permutation of Laine & Karras.
+class SobolStream final : public SampleStream {
+  public:
+    /// `key` names the pixel, `index` counts its samples.
+    SobolStream(uint64_t key, uint32_t index) : key_(key), index_(index) {}
+    void seek(int block) override { coordinate_ = static_cast<uint64_t>(blockOffset(block)); }
+    float next1D() override;
+    Vec2f next2D() override;
+
+  private:
+    uint64_t key_;
+    uint32_t index_;
+    uint64_t coordinate_ = 0;
+};
+
+}  // namespace metrolux

@@ -1,0 +1,95 @@
+#include "scene/scene.h"
+
+#include "base/error.h"
+
+namespace metrolux {
+
+namespace {
+
+/// Shadow rays end this fraction before their target, beyond what offsetRayOrigin moves the ends.
+constexpr float kShadowEpsilon = 1e-5f;
+
+}  // namespace
+
+Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
+    if (!parts_.camera) throw Error("{}: the scene has no sensor", parts_.source);
+    intersector_ = std::make_unique<Intersector>(parts_.shapes, parts_.instances);
+
+    Vec3f lower, upper;
+    intersector_->bounds(lower, upper);
+    const Vec3f eye = parts_.camera->position();
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!std::isfinite(lower[axis]) || !std::isfinite(upper[axis])) lower[axis] = upper[axis] = eye[axis];
+        lower[axis] = std::min(lower[axis], eye[axis]);
+        upper[axis] = std::max(upper[axis], eye[axis]);
+    }
+    bounds_.center = (lower + upper) * 0.5f;
+    bounds_.radius = std::max((upper - lower).length() * 0.5f, 1e-6f) * 1.001f;
+    parts_.camera->setSceneBounds(bounds_.center, bounds_.radius);
+
+    std::vector<double> powers;
+    for (const LightPtr& light : parts_.lights) {
+        light->setSceneBounds(bounds_);
+        if (light->isEnvironment()) {
+            if (environment_) throw Error("{}: more than one environment emitter", parts_.source);
+            environment_ = light.get();
+        }
+        lightIndex_.emplace_back(light.get(), static_cast<uint32_t>(lightIndex_.size()));
+        powers.push_back(light->power());
+    }
+    std::sort(lightIndex_.begin(), lightIndex_.end());
+
+    double total = 0;
+    for (const double p : powers) total += p;
+    if (!(total > 0) && !powers.empty()) powers.assign(powers.size(), 1.0), total = double(powers.size());
+    // A defensive share of uniform choice: power says nothing about what reaches a given point.
+    std::vector<double> emission, connection;
+    for (const double p : powers) {
+        const double uniform = 1.0 / double(powers.size());
+        emission.push_back(0.9 * p / total + 0.1 * uniform);
+        connection.push_back(0.5 * p / total + 0.5 * uniform);
+    }
+    emission_ = DiscreteDistribution(emission);
+    connection_ = DiscreteDistribution(connection);
+}
+
+bool Scene::visible(const Vec3f& a, const Vec3f& ngA, const Vec3f& b, const Vec3f& ngB) const {
+    const Vec3f rough = b - a;
+    const Vec3f from = ngA == Vec3f(0.0f) ? a : offsetRayOrigin(a, ngA, rough);
+    const Vec3f to = ngB == Vec3f(0.0f) ? b : offsetRayOrigin(b, ngB, -rough);
+    const Vec3f d = to - from;
+    const float distance = d.length();
+    if (!(distance > 0)) return true;
+    return !intersector_->occluded({from, d * (1.0f / distance), distance * (1.0f - kShadowEpsilon)});
+}
+
+bool Scene::visibleToInfinity(const Vec3f& x, const Vec3f& ng, const Vec3f& w) const {
+    return !intersector_->occluded({offsetRayOrigin(x, ng, w), w, kInfinity});
+}
+
+size_t Scene::indexOf(const Light* light) const {
+    const auto it = std::lower_bound(lightIndex_.begin(), lightIndex_.end(), std::pair(light, uint32_t(0)));
+    return it->second;
+}
+
+Scene::LightChoice Scene::chooseLightForConnection(const Vec3f&, float& u) const {
+    if (parts_.lights.empty()) return {};
+    const size_t i = connection_.sample(u);
+    return {parts_.lights[i].get(), static_cast<float>(connection_.pmf(i))};
+}
+
+float Scene::connectionProbability(const Vec3f&, const Light* light) const {
+    return static_cast<float>(connection_.pmf(indexOf(light)));
+}
+
+Scene::LightChoice Scene::chooseLightForEmission(float& u) const {
+    if (parts_.lights.empty()) return {};
+    const size_t i = emission_.sample(u);
+    return {parts_.lights[i].get(), static_cast<float>(emission_.pmf(i))};
+}
+
+float Scene::emissionProbability(const Light* light) const {
+    return static_cast<float>(emission_.pmf(indexOf(light)));
+}
+
+}  // namespace metrolux

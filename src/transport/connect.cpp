@@ -1,0 +1,121 @@
+#include "transport/connect.h"
+
+namespace metrolux {
+
+namespace {
+
+EndpointKind kindOf(const Light& light) {
+    if (light.isInfinite()) return EndpointKind::Infinite;
+    return light.isDelta() ? EndpointKind::DeltaPosition : EndpointKind::Surface;
+}
+
+}  // namespace
+
+Rgb hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v) {
+    const Light& light = *v.si.shape->emitter;
+    const Rgb radiance = light.radiance(v.si, v.toPrevious);
+    if (isBlack(radiance)) return Rgb(0.0f);
+    if (v.depth == 1) return radiance * v.throughput;
+
+    // dVCM is one over a density per area, so that the density of next-event estimation is needed per area too.
+    const Vec3f previous = v.si.p + v.toPrevious * v.distanceToPrevious;
+    const EndpointDensities d = light.densities(previous, v.si);
+    const double connectArea = double(scene.connectionProbability(previous, &light)) * d.connect *
+                               absDot(v.toPrevious, v.si.ng) / sqr(double(v.distanceToPrevious));
+    const double emission = double(d.pdfPosition) * d.pdfDirection * scene.emissionProbability(&light);
+    return radiance * v.throughput * static_cast<float>(hitWeight(strategies, v.mis, connectArea, emission));
+}
+
+Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from, const Vec3f& direction,
+                   const Rgb& throughput, const MisState& mis, int depth) {
+    const Light* light = scene.environment();
+    if (!light) return Rgb(0.0f);
+    const Rgb radiance = light->environmentRadiance(direction);
+    if (isBlack(radiance)) return Rgb(0.0f);
+    if (depth == 1) return radiance * throughput;
+
+    const EndpointDensities d = light->environmentDensities(from, direction);
+    const double connect = double(scene.connectionProbability(from, light)) * d.connect;
+    const double emission = double(d.pdfPosition) * d.pdfDirection * scene.emissionProbability(light);
+    return radiance * throughput * static_cast<float>(hitWeight(strategies, mis, connect, emission));
+}
+
+Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight, const Vec2f& u) {
+    const Scene::LightChoice choice = scene.chooseLightForConnection(eye.si.p, uLight);
+    if (!choice.light) return Rgb(0.0f);
+    const std::optional<EndpointConnection> c = choice.light->connect(eye.si.p, u);
+    if (!c || isBlack(c->value)) return Rgb(0.0f);
+    const VertexScattering s = scatterEye(eye, c->wi);
+    if (isBlack(s.value)) return Rgb(0.0f);
+    const bool free = choice.light->isInfinite() ? scene.visibleToInfinity(eye.si.p, eye.si.ng, c->wi)
+                                                 : scene.visible(eye.si.p, eye.si.ng, c->point, c->ng);
+    if (!free) return Rgb(0.0f);
+
+    LightEdge edge;
+    edge.kind = kindOf(*choice.light);
+    edge.delta = choice.light->isDelta();
+    edge.connect = double(c->pdf) * choice.probability;
+    edge.position = c->pdfPosition;
+    edge.direction = double(c->pdfDirection) * scene.emissionProbability(choice.light);
+    edge.cosineLight = c->cosine;
+    edge.cosineSurface = absDot(c->wi, eye.si.ng);
+    edge.distanceSquared = sqr(double(c->distance));
+    const double weight = neeWeight(strategies, eye.mis, edge, s.pdfForward, s.pdfReverse);
+    return eye.throughput * s.value * c->value * static_cast<float>(weight / choice.probability);
+}
+
+Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
+                    bool weighted, Vec2f& raster) {
+    const Camera& camera = scene.camera();
+    const std::optional<EndpointConnection> c = camera.connect(light.si.p, uLens);
+    if (!c) return Rgb(0.0f);
+    const VertexScattering s = scatterLight(light, c->wi);
+    if (isBlack(s.value)) return Rgb(0.0f);
+    if (!scene.visible(light.si.p, light.si.ng, c->point, c->ng)) return Rgb(0.0f);
+    raster = c->filmPosition;
+
+    double weight = 1;
+    if (weighted) {
+        const double cosine = absDot(c->wi, light.si.ng);
+        const double cameraArea = camera.isInfinite() ? c->pdfPosition * cosine
+                                                      : c->pdfDirection * cosine / sqr(double(c->distance));
+        weight = splatWeight(strategies, light.mis, cameraArea, s.pdfReverse);
+    }
+    return light.throughput * s.value * c->value * static_cast<float>(weight);
+}
+
+Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vertex& eye) {
+    const Vec3f d = light.si.p - eye.si.p;
+    const double distanceSquared = lengthSquared(d);
+    if (!(distanceSquared > 0)) return Rgb(0.0f);
+    const Vec3f toLight = d * static_cast<float>(1.0 / std::sqrt(distanceSquared));
+
+    const VertexScattering e = scatterEye(eye, toLight);
+    if (isBlack(e.value)) return Rgb(0.0f);
+    const VertexScattering l = scatterLight(light, -toLight);
+    if (isBlack(l.value)) return Rgb(0.0f);
+
+    const double lightArea = e.pdfForward * absDot(toLight, light.si.ng) / distanceSquared;
+    const double eyeArea = l.pdfForward * absDot(toLight, eye.si.ng) / distanceSquared;
+    const double weight =
+        connectWeight(strategies, light.mis, eye.mis, lightArea, eyeArea, l.pdfReverse, e.pdfReverse);
+    const Rgb value =
+        light.throughput * l.value * eye.throughput * e.value * static_cast<float>(weight / distanceSquared);
+    if (isBlack(value) || !scene.visible(eye.si.p, eye.si.ng, light.si.p, light.si.ng)) return Rgb(0.0f);
+    return value;
+}
+
+Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye, double inverseDiskArea) {
+    constexpr float kMinimalNormalAgreement = 0.5f;
+    if (dot(light.si.ng, eye.si.ng) < kMinimalNormalAgreement) return Rgb(0.0f);
+    // The density of photons on the surface is proportional to the cosine at the light vertex, S to that of the shading
+    // normal: their ratio is the factor of [Veach97] for this vertex.
+    const float cosineLight = absDot(light.toPrevious, light.si.ng);
+    if (!(cosineLight > 0)) return Rgb(0.0f);
+    const VertexScattering s = scatterEye(eye, light.toPrevious);
+    if (isBlack(s.value)) return Rgb(0.0f);
+    const double weight = mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse);
+    return light.throughput * eye.throughput * s.value * static_cast<float>(weight * inverseDiskArea / cosineLight);
+}
+
+}  // namespace metrolux

@@ -1,0 +1,101 @@
+#include "transport/eye_pass.h"
+
+#include "base/parallel.h"
+#include "sampling/streams.h"
+#include "transport/connect.h"
+#include "transport/subpath.h"
+
+namespace metrolux {
+
+namespace {
+
+/// Adds hit and nee of one eye subpath and keeps its vertices.
+class EyeVisitor final : public SubpathVisitor {
+  public:
+    EyeVisitor(const EyePass& pass, Film& film, std::vector<Vertex>& kept) : pass_(pass), film_(film), kept_(kept) {}
+
+    void begin(uint64_t key, uint32_t index) {
+        sum_ = Rgb(0.0f);
+        nee_.emplace(hashKey(key, 0x6e6565), index);
+    }
+    const Rgb& sum() const { return sum_; }
+
+    bool surface(const Vertex& v) override {
+        const PathLimits& limits = pass_.limits;
+        if (v.si.shape->emitter && countsHit(v.depth))
+            add(hitLight(pass_.scene, pass_.strategies, v), Technique::Hit);
+        if (pass_.deepest >= 0 && v.depth >= pass_.deepest) return false;
+        if (v.bsdf().hasSmoothLobe()) {
+            const bool extensible = limits.maxDepth < 0 || v.depth < limits.maxDepth;
+            if (pass_.nextEvent && extensible) {
+                nee_->seek(v.depth);
+                const float uLight = nee_->next1D();
+                nee_->next1D();  // keeps the pair that follows aligned
+                add(connectToLight(pass_.scene, pass_.strategies, v, uLight, nee_->next2D()), Technique::Nee);
+            }
+            if (pass_.keepVertices && extensible) kept_.push_back(v);
+        }
+        return true;
+    }
+
+    void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput, const MisState& mis,
+                 int depth) override {
+        if (countsHit(depth))
+            add(hitEnvironment(pass_.scene, pass_.strategies, from, direction, throughput, mis, depth), Technique::Hit);
+    }
+
+  private:
+    bool countsHit(int depth) const {
+        if (depth == 1) return !pass_.limits.hideEmitters;
+        return pass_.hit;
+    }
+    void add(const Rgb& value, Technique technique) {
+        if (!film_.rejectNonFinite(value, technique)) sum_ += value;
+    }
+
+    const EyePass& pass_;
+    Film& film_;
+    std::vector<Vertex>& kept_;
+    std::optional<SobolStream> nee_;
+    Rgb sum_;
+};
+
+}  // namespace
+
+void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& result) const {
+    constexpr size_t kChunk = 256;
+    const size_t chunks = (pixels.size() + kChunk - 1) / kChunk;
+    std::vector<std::vector<Vertex>> kept(chunks);
+    result.starts_.assign(keepVertices ? pixels.size() + 1 : 0, 0);
+
+    parallelFor(chunks, [&](size_t chunk) {
+        EyeVisitor visitor(*this, film, kept[chunk]);
+        for (size_t i = chunk * kChunk; i < std::min(pixels.size(), (chunk + 1) * kChunk); ++i) {
+            const uint32_t pixel = pixels[i];
+            // Keyed by the position in the full image, so that a crop repeats the samples of the whole.
+            const FilmWindow& w = film.window();
+            const uint64_t x = w.x + pixel % w.width, y = w.y + pixel / w.width;
+            const uint64_t key = hashKey(seed, StreamPurpose::EyeSubpath, x, y);
+            SobolStream stream(key, pass);
+            stream.seek(0);
+            float weight = 1;
+            const Vec2f raster = film.samplePosition(pixel, stream.next2D(), weight);
+            visitor.begin(key, pass);
+            const size_t before = kept[chunk].size();
+            traceEyeSubpath(scene, stream, limits, strategies, raster, weight, pixel, visitor);
+            film.addEye(pixel, visitor.sum());
+            if (keepVertices) result.starts_[i + 1] = kept[chunk].size() - before;
+        }
+    });
+
+    result.vertices_.clear();
+    if (!keepVertices) return;
+    for (size_t i = 0; i < pixels.size(); ++i) result.starts_[i + 1] += result.starts_[i];
+    result.vertices_.resize(result.starts_.back());
+    parallelFor(chunks, [&](size_t chunk) {
+        std::copy(kept[chunk].begin(), kept[chunk].end(), result.vertices_.begin() + result.starts_[chunk * kChunk]);
+        std::vector<Vertex>().swap(kept[chunk]);
+    });
+}
+
+}  // namespace metrolux

@@ -1,0 +1,44 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "image/film.h"
+#include "scene/scene.h"
+#include "transport/vertex.h"
+
+namespace metrolux {
+
+/// The eye subpaths of an iteration: one for each pixel of `pixels`, with the vertices that can be connected and merged.
+class EyeVertices {
+  public:
+    std::span<const Vertex> all() const { return vertices_; }
+    /// Vertices of the i-th eye subpath of the iteration (in the order of its pixels).
+    std::span<const Vertex> subpath(size_t i) const {
+        return {vertices_.data() + starts_[i], starts_[i + 1] - starts_[i]};
+    }
+    size_t subpathCount() const { return starts_.empty() ? 0 : starts_.size() - 1; }
+    size_t memoryBytes() const { return vertices_.capacity() * sizeof(Vertex) + starts_.capacity() * sizeof(size_t); }
+
+  private:
+    friend struct EyePass;
+    std::vector<Vertex> vertices_;
+    std::vector<size_t> starts_;
+};
+
+/// Traces the eye subpaths of an iteration; adds hit and nee to the film.
+struct EyePass {
+    const Scene& scene;
+    const PathLimits& limits;
+    const Strategies& strategies;
+    uint64_t seed = 0;
+    uint32_t pass = 0;
+    bool nextEvent = true;   ///< next-event estimation
+    bool keepVertices = true;
+    bool hit = true;         ///< emitters hit at any depth; false: directly seen ones only
+    int deepest = -1;        ///< subpaths end after this many edges; -1: at the scene's limit
+
+    /// `pixels`: indices in the film's window. Deterministic for any number of threads.
+    void run(std::span<const uint32_t> pixels, Film& film, EyeVertices& result) const;
+};
+
+}  // namespace metrolux

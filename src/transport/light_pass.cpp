@@ -1,0 +1,117 @@
+#include "transport/light_pass.h"
+
+#include <bit>
+
+#include "transport/connect.h"
+#include "transport/subpath.h"
+
+namespace metrolux {
+
+namespace {
+
+class LightVisitor final : public SubpathVisitor {
+  public:
+    LightVisitor(const LightPass& pass, std::span<const Vertex> partner, const Vec2f& uLens, SplatList& splats)
+        : pass_(pass), partner_(partner), uLens_(uLens), splats_(splats) {
+        const float r = pass.grid.radius();
+        inverseDiskArea_ = 1.0 / (double(kPi) * r * r);
+    }
+
+    bool surface(const Vertex& v) override {
+        const int limit = pass_.limits.maxDepth < 0 ? std::numeric_limits<int>::max() / 2 : pass_.limits.maxDepth;
+        if (v.bsdf().hasSmoothLobe()) {
+            if (v.depth < limit) splat(v);
+            if (pass_.connect) connect(v, limit);
+            if (pass_.merge) merge(v, limit);
+        }
+        return v.depth + 1 < limit;
+    }
+
+  private:
+    void splat(const Vertex& v) {
+        Vec2f raster;
+        const Rgb value = connectToCamera(pass_.scene, pass_.strategies, v, uLens_, pass_.weighted, raster);
+        if (!pass_.film.rejectNonFinite(value, Technique::Splat) && !isBlack(value))
+            splats_.film.push_back({raster, value});
+    }
+
+    void connect(const Vertex& v, int limit) {
+        // One eye subpath of N was picked: its pixel's share stands for all.
+        const float scale = static_cast<float>(pass_.eyes.subpathCount());
+        for (const Vertex& eye : partner_) {
+            if (v.depth + eye.depth + 1 > limit) break;
+            addPixel(eye.pixel, connectVertices(pass_.scene, pass_.strategies, v, eye) * scale, Technique::Connect);
+        }
+    }
+
+    void merge(const Vertex& v, int limit) {
+        const std::span<const Vertex> eyes = pass_.eyes.all();
+        pass_.grid.query(v.si.p, [&](uint32_t index) {
+            const Vertex& eye = eyes[index];
+            if (v.depth + eye.depth > limit) return;
+            addPixel(eye.pixel, mergeVertices(pass_.strategies, v, eye, inverseDiskArea_), Technique::Merge);
+        });
+    }
+
+    void addPixel(uint32_t pixel, const Rgb& value, Technique technique) {
+        if (!pass_.film.rejectNonFinite(value, technique) && !isBlack(value)) splats_.pixels.push_back({pixel, value});
+    }
+
+    const LightPass& pass_;
+    std::span<const Vertex> partner_;
+    Vec2f uLens_;
+    SplatList& splats_;
+    double inverseDiskArea_;
+};
+
+/// Distance along the Hilbert curve that fills a 2^order square (the classic quadrant walk).
+uint64_t hilbertDistance(int order, uint32_t x, uint32_t y) {
+    uint64_t d = 0;
+    for (uint32_t s = 1u << (order - 1); s > 0; s >>= 1) {
+        const uint32_t rx = (x & s) ? 1 : 0, ry = (y & s) ? 1 : 0;
+        d += uint64_t(s) * s * ((3 * rx) ^ ry);
+        if (ry == 0) {
+            if (rx == 1) {
+                x = (s - 1) - (x & (s - 1));
+                y = (s - 1) - (y & (s - 1));
+            }
+            std::swap(x, y);
+        }
+        x &= s - 1;
+        y &= s - 1;
+    }
+    return d;
+}
+
+}  // namespace
+
+void LightPass::evaluate(SampleStream& stream, SplatList& splats) const {
+    splats.clear();
+    stream.seek(0);
+    for (int i = 0; i < kEyeSubpathCoordinate; ++i) stream.next1D();
+    const float uEye = stream.next1D();
+    const Vec2f uLens = stream.next2D();
+    std::span<const Vertex> partner;
+    if (connect && eyes.subpathCount() > 0) {
+        const size_t n = eyes.subpathCount();
+        partner = eyes.subpath(std::min(static_cast<size_t>(double(uEye) * double(n)), n - 1));
+    }
+    LightVisitor visitor(*this, partner, uLens, splats);
+    traceLightSubpath(scene, stream, limits, strategies, visitor);
+}
+
+std::vector<uint32_t> hilbertOrder(int width, int height) {
+    const int order = std::max(1, static_cast<int>(std::bit_width(static_cast<uint32_t>(std::max(width, height) - 1))));
+    std::vector<std::pair<uint64_t, uint32_t>> keyed;
+    keyed.reserve(size_t(width) * height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            keyed.emplace_back(hilbertDistance(order, x, y), static_cast<uint32_t>(y * width + x));
+    std::sort(keyed.begin(), keyed.end());
+    std::vector<uint32_t> result;
+    result.reserve(keyed.size());
+    for (const auto& [distance, pixel] : keyed) result.push_back(pixel);
+    return result;
+}
+
+}  // namespace metrolux

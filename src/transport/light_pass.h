@@ -1,0 +1,36 @@
+#pragma once
+#include <span>
+
+#include "image/film.h"
+#include "sampling/sample_stream.h"
+#include "transport/eye_pass.h"
+#include "transport/vertex_grid.h"
+
+namespace metrolux {
+
+/// evaluate(u) -> splats of ALGORITHM.md section 2: everything that one light subpath contributes in an iteration.
+/// A pure function of the stream, given the iteration's eye vertices.
+struct LightPass {
+    const Scene& scene;
+    const PathLimits& limits;
+    const Strategies& strategies;
+    const EyeVertices& eyes;
+    const VertexGrid& grid;
+    Film& film;                     ///< counts non-finite contributions, nothing else
+    bool connect = true;            ///< connect with the vertices of one eye subpath
+    bool merge = true;
+    bool weighted = true;           ///< false: splats alone with weight one (light tracing)
+
+    /// Coordinates of block 0 that the light's emission does not use.
+    static constexpr int kEyeSubpathCoordinate = 5;
+    static constexpr int kLensCoordinate = 6;
+
+    /// Appends to `splats` (cleared first). Scales: a pixel splat is the estimate of its pixel from one light subpath;
+    /// divide by the number of light subpaths to average.
+    void evaluate(SampleStream& stream, SplatList& splats) const;
+};
+
+/// Order of the window's pixels along a Hilbert curve: a small step in the curve's parameter is a near pixel.
+std::vector<uint32_t> hilbertOrder(int width, int height);
+
+}  // namespace metrolux

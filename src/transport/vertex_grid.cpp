@@ -1,0 +1,63 @@
+#include "transport/vertex_grid.h"
+
+#include <bit>
+
+#include "base/parallel.h"
+#include "base/rng.h"
+
+namespace metrolux {
+
+uint32_t VertexGrid::bucketOf(int64_t x, int64_t y, int64_t z) const {
+    return static_cast<uint32_t>(hashKey(x, y, z)) & mask_;
+}
+
+int VertexGrid::bucketsAround(const Vec3f& p, std::array<uint32_t, 8>& buckets) const {
+    int64_t low[3], high[3];
+    for (int axis = 0; axis < 3; ++axis) {
+        low[axis] = static_cast<int64_t>(std::floor((double(p[axis]) - radius_) * inverseCell_));
+        high[axis] = static_cast<int64_t>(std::floor((double(p[axis]) + radius_) * inverseCell_));
+    }
+    int count = 0;
+    for (int64_t z = low[2]; z <= high[2]; ++z)
+        for (int64_t y = low[1]; y <= high[1]; ++y)
+            for (int64_t x = low[0]; x <= high[0]; ++x) {
+                const uint32_t bucket = bucketOf(x, y, z);
+                if (std::find(buckets.begin(), buckets.begin() + count, bucket) == buckets.begin() + count)
+                    buckets[count++] = bucket;
+            }
+    return count;
+}
+
+void VertexGrid::build(std::span<const Vertex> vertices, float radius) {
+    radius_ = radius;
+    radiusSquared_ = radius * radius;
+    // A hair wider than two radii, so that rounding never makes a ball touch three cells along an axis.
+    inverseCell_ = 1.0 / (2.0 * double(radius) * (1.0 + 1e-6));
+    const size_t n = vertices.size();
+    entries_.resize(n);
+    if (n == 0) return;
+    mask_ = std::bit_ceil(static_cast<uint32_t>(n)) - 1;
+    starts_.assign(size_t(mask_) + 2, 0);
+
+    std::vector<uint32_t> buckets(n);
+    constexpr size_t kChunk = 8192;
+    parallelFor((n + kChunk - 1) / kChunk, [&](size_t chunk) {
+        for (size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
+            const Vec3f& p = vertices[i].si.p;
+            const auto cell = [&](float x) { return static_cast<int64_t>(std::floor(double(x) * inverseCell_)); };
+            buckets[i] = bucketOf(cell(p.x), cell(p.y), cell(p.z));
+        }
+    });
+    for (const uint32_t b : buckets) ++starts_[b + 1];
+    for (size_t b = 1; b < starts_.size(); ++b) starts_[b] += starts_[b - 1];
+    std::vector<uint32_t> next(starts_.begin(), starts_.end() - 1);
+    for (size_t i = 0; i < n; ++i)
+        entries_[next[buckets[i]]++] = {vertices[i].si.p, static_cast<uint32_t>(i)};
+}
+
+void VertexGrid::clear() {
+    entries_.clear();
+    starts_.clear();
+}
+
+}  // namespace metrolux

@@ -1,0 +1,47 @@
+#pragma once
+#include <array>
+#include <span>
+#include <vector>
+
+#include "transport/vertex.h"
+
+namespace metrolux {
+
+/// Hash grid over the eye vertices of an iteration, counting-sorted into buckets. Cells are two radii wide, so that
+/// a ball of one radius touches at most eight of them.
+class VertexGrid {
+  public:
+    /// Keeps positions and indices, not the vertices. `radius` > 0, finite.
+    void build(std::span<const Vertex> vertices, float radius);
+    void clear();
+    float radius() const { return radius_; }
+    size_t memoryBytes() const { return entries_.capacity() * sizeof(Entry) + starts_.capacity() * sizeof(uint32_t); }
+
+    /// Calls visit(index) for each vertex within the radius of p, once, in an order that depends on the vertices only.
+    template <class Visit>
+    void query(const Vec3f& p, Visit&& visit) const {
+        if (entries_.empty()) return;
+        std::array<uint32_t, 8> buckets;
+        const int count = bucketsAround(p, buckets);
+        for (int b = 0; b < count; ++b)
+            for (uint32_t i = starts_[buckets[b]]; i < starts_[buckets[b] + 1]; ++i)
+                if (lengthSquared(entries_[i].position - p) <= radiusSquared_) visit(entries_[i].index);
+    }
+
+  private:
+    struct Entry {
+        Vec3f position;
+        uint32_t index;
+    };
+    uint32_t bucketOf(int64_t x, int64_t y, int64_t z) const;
+    /// Distinct buckets of the cells that the ball around p touches: cells that hash alike are visited once.
+    int bucketsAround(const Vec3f& p, std::array<uint32_t, 8>& buckets) const;
+
+    float radius_ = 0, radiusSquared_ = 0;
+    double inverseCell_ = 0;
+    uint32_t mask_ = 0;
+    std::vector<uint32_t> starts_;
+    std::vector<Entry> entries_;
+};
+
+}  // namespace metrolux

@@ -34,7 +34,7 @@ struct Film::Implementation {
         double sumOfSquares = 0;      ///< of the luminance of a pass
     };
     std::vector<Pixel> pixels;
-    std::vector<FixedPointRgb> splats;  ///< of the pass
+    FixedPointImage splats;  ///< of the pass
     BlockedErrorEstimate error;
 
     explicit Implementation(int count)
@@ -90,10 +90,10 @@ struct Reach {
 }  // namespace
 
 void Film::addSplats(const SplatList& splats, double pixelScale, double filmScale) {
-    std::vector<FixedPointRgb>& film = implementation_->splats;
+    FixedPointImage& film = implementation_->splats;
     for (const SplatList::PixelSplat& splat : splats.pixels) {
-        assert(splat.pixel < film.size());
-        if (!film[splat.pixel].add(splat.value, pixelScale)) countNonFinite(Technique::Merge);
+        assert(splat.pixel < static_cast<uint32_t>(pixelCount()));
+        if (!film.add(splat.pixel, splat.value, pixelScale)) countNonFinite(Technique::Merge);
     }
     for (const SplatList::FilmSplat& splat : splats.film) {
         const Vec2f& p = splat.position;
@@ -111,11 +111,11 @@ void Film::addSplats(const SplatList& splats, double pixelScale, double filmScal
         for (int row = 0; row < rows.count; ++row) {
             if (rows.weights[row] == 0) continue;
             const double rowScale = filmScale * rows.weights[row];
-            FixedPointRgb* line = &film[static_cast<size_t>(rows.first + row - window_.y) * window_.width +
-                                        static_cast<size_t>(columns.first - window_.x)];
+            const size_t line = static_cast<size_t>(rows.first + row - window_.y) * window_.width +
+                                static_cast<size_t>(columns.first - window_.x);
             for (int column = 0; column < columns.count; ++column)
                 if (columns.weights[column] != 0)
-                    fits &= line[column].add(splat.value, rowScale * columns.weights[column]);
+                    fits &= film.add(line + column, splat.value, rowScale * columns.weights[column]);
         }
         if (!fits) countNonFinite(Technique::Splat);
     }
@@ -125,7 +125,7 @@ void Film::endPass() {
     Implementation& film = *implementation_;
     for (size_t i = 0; i < film.pixels.size(); ++i) {
         Implementation::Pixel& pixel = film.pixels[i];
-        const std::array<double, 3> splats = film.splats[i].take();
+        const std::array<double, 3> splats = film.splats.take(i);
         std::array<double, 3> value;
         for (int c = 0; c < 3; ++c) {
             value[c] = pixel.eye[c] + splats[c];

@@ -94,6 +94,13 @@ ReconstructionFilter::ReconstructionFilter(Kind kind, const Parameters& paramete
         signedCdf_[i + 1] = signedCdf_[i] + table_[i] * cellWidth;
         absCdf_[i + 1] = absCdf_[i] + std::abs(table_[i]) * cellWidth;
     }
+    guide_.resize(static_cast<size_t>(cells));
+    uint32_t cell = 0;
+    for (int i = 0; i < cells; ++i) {
+        const double target = absCdf_.back() * i / cells;
+        while (cell + 1 < static_cast<uint32_t>(cells) && absCdf_[cell + 1] < target) ++cell;
+        guide_[i] = cell;
+    }
     // Half of the support on each side of the centre is always inside the image.
     if (!(signedCdf_.back() > 0)) throw Error("reconstruction filter: its integral is not positive");
 }
@@ -111,8 +118,9 @@ float ReconstructionFilter::sample(int pixel, int size, float u, float& weight) 
     const double absLower = interpolate(absCdf_, range.lower), absUpper = interpolate(absCdf_, range.upper);
     const double integral = interpolate(signedCdf_, range.upper) - interpolate(signedCdf_, range.lower);
     const double target = std::lerp(absLower, absUpper, static_cast<double>(u));
-    const auto above = std::upper_bound(absCdf_.begin() + 1, absCdf_.end() - 1, target);
-    const auto cell = static_cast<size_t>(above - absCdf_.begin()) - 1;
+    const auto share = static_cast<size_t>(target / absCdf_.back() * static_cast<double>(guide_.size()));
+    size_t cell = guide_[std::min(share, guide_.size() - 1)];
+    while (cell + 2 < absCdf_.size() && absCdf_[cell + 1] <= target) ++cell;
     const double inCell = absCdf_[cell + 1] - absCdf_[cell];
     const double fraction = inCell > 0 ? (target - absCdf_[cell]) / inCell : 0.5;
     const double position = std::clamp(static_cast<double>(cell) + fraction, range.lower, range.upper);

@@ -43,6 +43,7 @@ class ReconstructionFilter {
     float radius_;
     std::vector<float> table_;          // h at cell centres over [-radius, radius]
     std::vector<double> signedCdf_, absCdf_;
+    std::vector<uint32_t> guide_;  // where to begin the search in absCdf_, for equal shares of its total
 };
 
 }  // namespace metrolux

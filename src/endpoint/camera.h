@@ -1,8 +1,8 @@
 #pragma once
-#include <memory>
-
 #include "base/transform.h"
 #include "endpoint/endpoint.h"
+
+#include <memory>
 
 namespace metrolux {
 
@@ -13,7 +13,8 @@ struct FilmWindow {
     int pixelCount() const { return width * height; }
 };
 
-/// A camera. Its densities are over the whole rendered window: a raster position is one of pixelCount() unit squares.
+/// A camera. Its densities are over the whole rendered window: a raster position is one of pixelCount() unit
+/// squares.
 class Camera : public Endpoint {
   public:
     explicit Camera(const FilmWindow& window) : window_(window) {}
@@ -22,6 +23,12 @@ class Camera : public Endpoint {
     /// Approximate width of a pixel's footprint at distance d (scene units): for the merging radius.
     virtual float pixelFootprint(float distance) const = 0;
     virtual Vec3f position() const = 0;
+    /// The point on the lens (or pinhole) from which distances along a sampled ray count: rays may start at a
+    /// near plane.
+    virtual Vec3f projectionCenter(const Vec3f& origin, const Vec3f& direction) const {
+        (void)direction;
+        return origin;
+    }
     virtual void setSceneBounds(const Vec3f& center, float radius) { (void)center, (void)radius; }
 
   protected:
@@ -32,19 +39,21 @@ using CameraPtr = std::shared_ptr<Camera>;
 enum class FovAxis { X, Y, Diagonal, Smaller, Larger };
 
 struct PerspectiveParameters {
-    Transform toWorld;              ///< camera space looks along +z, +y up, +x to the left (Mitsuba)
-    float fov = 39.3077f;           ///< degrees along the axis
+    Transform toWorld;     ///< camera space looks along +z, +y up, +x to the left (Mitsuba)
+    float fov = 39.3077f;  ///< degrees along the axis
     FovAxis axis = FovAxis::X;
-    float nearClip = 1e-2f, farClip = 1e4f;
+    float nearClip = 1e-2f;  ///< surfaces nearer than this along the axis are not seen
     float principalOffsetX = 0, principalOffsetY = 0;  ///< in fractions of the image
-    float apertureRadius = 0;       ///< 0: pinhole
-    float focusDistance = 1;
+    float apertureRadius = 0;                          ///< 0: pinhole
+    float focusDistance = 1;                           ///< along the axis
 };
+/// Pinhole or thin lens. Throws Error for parameters out of range. The lengths of the columns of `toWorld`
+/// are ignored.
 CameraPtr makePerspectiveCamera(const PerspectiveParameters& parameters, const FilmWindow& window);
 
 struct OrthographicParameters {
-    Transform toWorld;  ///< the film covers [-1,1] in camera x, scaled by the map
-    float nearClip = 1e-2f, farClip = 1e4f;
+    Transform toWorld;       ///< the film covers [-1,1] in camera x, scaled by the map
+    float nearClip = 1e-2f;  ///< in camera space
 };
 CameraPtr makeOrthographicCamera(const OrthographicParameters& parameters, const FilmWindow& window);
 

@@ -1,10 +1,12 @@
 #pragma once
+#include "endpoint/endpoint.h"
+
 #include <memory>
 #include <vector>
 
-#include "endpoint/endpoint.h"
-
 namespace metrolux {
+
+class Shape;
 
 struct SceneBounds {
     Vec3f center{0.0f};
@@ -13,10 +15,11 @@ struct SceneBounds {
 
 class Light : public Endpoint {
   public:
-    /// Emitted power (flux, summed and averaged over channels by luminance): for light selection.
+    /// Emitted power (flux, luminance of its channels): for light selection.
     virtual float power() const = 0;
 
-    /// Radiance that leaves the surface point `si` of this area light in direction w (unit, world). Zero on the back.
+    /// Radiance that leaves the surface point `si` of this area light in direction w (unit, world). Zero on
+    /// the back.
     virtual Rgb radiance(const SurfaceInteraction& si, const Vec3f& w) const {
         (void)si, (void)w;
         return Rgb(0.0f);
@@ -37,6 +40,10 @@ class Light : public Endpoint {
         return {};
     }
     virtual bool isEnvironment() const { return false; }
+    /// Whether connect() can ever succeed: not for a beam without width, which only light subpaths carry.
+    virtual bool isConnectable() const { return true; }
+    /// The shape that an area light covers; null for other lights.
+    virtual const Shape* shape() const { return nullptr; }
     /// Called once when the scene's bounds are known (infinite lights need them).
     virtual void setSceneBounds(const SceneBounds& bounds) { (void)bounds; }
 };

@@ -1,0 +1,50 @@
+#include "base/error.h"
+#include "base/warp.h"
+#include "endpoint/lights.h"
+#include "endpoint/lights/infinite.h"
+
+namespace metrolux {
+
+namespace {
+
+class PointLight final : public Light {
+  public:
+    explicit PointLight(const PointLightParameters& p) : position_(p.position), intensity_(p.intensity) {
+        requireEmission(intensity_, "point");
+    }
+
+    float power() const override { return luminance(intensity_) * (4 * kPi); }
+    bool isDelta() const override { return true; }
+
+    std::optional<EndpointRay> sampleRay(const Vec2f&, const Vec2f& uDirection) const override {
+        EndpointRay ray;
+        ray.origin = position_;
+        ray.direction = normalize(warp::squareToSphere(uDirection));
+        ray.pdfDirection = warp::kUniformSpherePdf;
+        ray.weight = intensity_ * (4 * kPi);
+        return ray;
+    }
+
+    std::optional<EndpointConnection> connect(const Vec3f& x, const Vec2f&) const override {
+        EndpointConnection c;
+        c.point = position_;
+        c.distance = (position_ - x).length();
+        if (!(c.distance > 0) || isBlack(intensity_)) return std::nullopt;
+        c.wi = normalize(position_ - x);
+        c.value = intensity_ * (1.0f / sqr(c.distance));
+        c.pdfDirection = warp::kUniformSpherePdf;
+        return c;
+    }
+
+  private:
+    Vec3f position_;
+    Rgb intensity_;
+};
+
+}  // namespace
+
+LightPtr makePointLight(const PointLightParameters& parameters) {
+    return std::make_shared<PointLight>(parameters);
+}
+
+}  // namespace metrolux

@@ -17,8 +17,16 @@
 
 namespace metrolux::mitsuba {
 
+/// What the command line says about the film: makeCamera applies it over the scene's own.
+struct FilmOverride {
+    int width = 0, height = 0;  ///< 0: the film's
+    bool hasCrop = false;
+    int cropX = 0, cropY = 0, cropWidth = 0, cropHeight = 0;  ///< pixels of the full image
+};
+
 struct LoadContext {
-    std::vector<std::filesystem::path> searchPaths;  ///< of the scene file, then <path> elements
+    std::vector<std::filesystem::path> searchPaths;  ///< <path> elements, the last first; then the scene's folder
+    FilmOverride film;
     bool lenient = false;
     std::vector<std::string> warnings;
     /// Built objects by element, so that a shared <ref> is built once.

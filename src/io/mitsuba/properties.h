@@ -43,6 +43,7 @@ struct Property {
     std::variant<bool, int64_t, double, std::string, Vec3f, Transform, RgbValue, SpectrumValue, ElementPtr> value;
     Location location;
     mutable bool used = false;
+    int order = 0;  ///< position among everything that its element contains
 };
 
 class Element {
@@ -68,7 +69,8 @@ class Element {
     Transform transform(const std::string& name) const;                  ///< identity if absent
     /// A nested or referenced element under this name, or null.
     ElementPtr child(const std::string& name) const;
-    /// Unnamed children with the tag ("bsdf", "emitter", ...), marked used.
+    /// All elements with the tag ("bsdf", "emitter", ...), named or not, in order of appearance; marked used. (A shape
+    /// takes <ref name="bsdf" id="..."/> as well as <ref id="..."/>, a bumpmap's texture has any name.)
     std::vector<ElementPtr> childrenOf(const std::string& tag) const;
     /// Reads and forgets a property that has no effect here (near_clip's relatives, sampler settings ...).
     void ignore(const std::string& name) const;

@@ -1,0 +1,360 @@
+#include "io/mitsuba/parser.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "io/mitsuba/attributes.h"
+#include "io/mitsuba/references.h"
+#include "io/mitsuba/spectrum_plugins.h"
+#include "io/mitsuba/upgrade.h"
+#include "io/mitsuba/values.h"
+
+namespace metrolux::mitsuba {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMaxIncludeDepth = 15;  // Mitsuba's limit
+constexpr int kMaxIncludes = 10000;      // files that include each other twice would be read 2^15 times
+constexpr size_t kMaxProperties = 4096;  // of one element: names are compared one by one
+
+const std::vector<std::string> kObjectTags = {"integrator", "sensor", "film",    "rfilter", "sampler",
+                                              "emitter",    "shape",  "bsdf",    "texture"};
+const std::vector<std::string> kMediumTags = {"medium", "phase", "volume", "subsurface"};
+const std::vector<std::string> kOtherTags = {"scene",    "default", "include",  "path",      "alias",  "ref",
+                                             "integer",  "float",   "boolean",  "string",    "rgb",    "srgb",
+                                             "spectrum", "blackbody", "point",  "vector",    "transform"};
+const std::vector<std::string> kTransformTags = {"translate", "rotate", "scale", "matrix", "lookat"};
+
+bool contains(const std::vector<std::string>& list, const std::string& name) {
+    return std::find(list.begin(), list.end(), name) != list.end();
+}
+
+/// A file that is being read.
+struct File {
+    const Source& source;
+    bool legacy;
+};
+
+class Parser {
+  public:
+    Parser(const std::map<std::string, std::string>& defines, bool lenient)
+        : parameters_(defines), lenient_(lenient) {}
+
+    ParsedScene run(const fs::path& file) {
+        root_ = std::make_shared<Element>();
+        root_->tag = "scene";
+        sceneFolder_ = file.parent_path();
+        readFile(file, *root_, "", 0);
+        parameters_.checkDefinesUsed(file.string());
+        references_.resolve();
+        return {root_, references_.referenced(), searchPaths(), std::move(warnings_)};
+    }
+
+  private:
+    std::vector<fs::path> searchPaths() const {
+        std::vector<fs::path> result(paths_.rbegin(), paths_.rend());
+        result.push_back(sceneFolder_);
+        return result;
+    }
+
+    /// Reads a file whose objects go into `parent`: those of a <scene>, or its root if that is an object.
+    void readFile(const fs::path& path, Element& parent, const std::string& name, int depth) {
+        const Source source(path);
+        const pugi::xml_node node = source.root();
+        const std::string tag = node.name();
+        const bool isScene = tag == "scene";
+        if (!isScene && (openFiles_.empty() || !contains(kObjectTags, tag)))
+            throw nodeError(source, node, "unexpected root element, expected <scene version=\"...\">");
+        const File file{source, isLegacy(source, node)};
+        openFiles_.push_back(fs::weakly_canonical(path));
+        if (!isScene) {
+            object(file, node, parent, name, depth + 1);
+        } else {
+            Attributes(source, node, parameters_, {}, {"version", "id"});
+            if (openFiles_.size() == 1) {
+                root_->location = source.at(node);
+                references_.addElement(root_);
+            }
+            contents(file, node, parent, depth);
+        }
+        openFiles_.pop_back();
+    }
+
+    bool isLegacy(const Source& source, pugi::xml_node node) {
+        const pugi::xml_attribute attribute = node.attribute("version");
+        const std::string version = attribute.value();
+        std::string problem;
+        int major = 3;
+        if (!attribute) {
+            problem = "has no attribute \"version\"";
+        } else {
+            const auto [end, code] = std::from_chars(version.data(), version.data() + version.size(), major);
+            const std::string_view rest(end, static_cast<size_t>(version.data() + version.size() - end));
+            if (code != std::errc() || (!rest.empty() && rest[0] != '.') ||
+                rest.find_first_not_of("0123456789.") != std::string_view::npos || rest.ends_with('.'))
+                throw nodeError(source, node,
+                                fmt::format("found the version \"{}\", expected a number such as 3.0.0", version));
+            if (major < 0 || major > 3) problem = fmt::format("found the unknown version \"{}\"", version);
+        }
+        if (problem.empty()) return major < 2;
+        const Error error = nodeError(source, node, problem + ", expected 0.4 to 0.6, 2.x or 3.x (such as \"3.0.0\")");
+        if (!lenient_) throw error;
+        warnings_.push_back(std::string(error.what()) + "; read as 3.x");
+        return false;
+    }
+
+    void contents(const File& file, pugi::xml_node node, Element& element, int depth) {
+        if (depth > kMaxDepth)
+            throw nodeError(file.source, node, fmt::format("elements are nested more than {} levels deep", kMaxDepth));
+        for (const pugi::xml_node child : node.children()) {
+            if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata)
+                throw nodeError(file.source, node,
+                                "found text between the tags, expected values in attributes (value=\"...\")");
+            if (child.type() == pugi::node_element) item(file, child, element, depth);
+        }
+    }
+
+    void item(const File& file, pugi::xml_node node, Element& parent, int depth) {
+        const std::string tag = node.name();
+        if (contains(kObjectTags, tag) || (tag == "spectrum" && node.attribute("type"))) {
+            object(file, node, parent, "", depth + 1);
+            return;
+        }
+        if (contains(kMediumTags, tag))
+            throw nodeError(file.source, node, "participating media are not supported");
+        if (tag == "transform") {
+            const Attributes attributes(file.source, node, parameters_, {"name"});
+            const Transform value = parseTransform(file.source, node, parameters_, file.legacy);
+            located(file, node, [&] { addNamed(file, node, parent, attributes["name"], value); });
+            return;
+        }
+        if (node.first_child() && contains(kOtherTags, tag))
+            throw nodeError(file.source, node, "expected nothing inside this element");
+        if (tag == "include") {
+            include(file, node, parent, depth);
+        } else if (tag == "default") {
+            const Attributes attributes(file.source, node, parameters_, {"name", "value"});
+            located(file, node, [&] { parameters_.addDefault(attributes["name"], attributes["value"]); });
+        } else if (tag == "path") {
+            addPath(file, node, parent);
+        } else if (tag == "alias") {
+            const Attributes attributes(file.source, node, parameters_, {"id", "as"});
+            references_.addAlias(attributes["id"], attributes["as"], file.source.at(node));
+        } else if (tag == "ref") {
+            reference(file, node, parent);
+        } else if (file.legacy && (tag == "mode" || tag == "hide")) {
+            warnings_.emplace_back(nodeError(file.source, node, "has no effect and is ignored").what());
+        } else if (contains(kOtherTags, tag) && tag != "scene") {
+            property(file, node, tag, parent);
+        } else {
+            unknownTag(file, node, tag);
+        }
+    }
+
+    [[noreturn]] void unknownTag(const File& file, pugi::xml_node node, const std::string& tag) const {
+        if (contains(kTransformTags, tag))
+            throw nodeError(file.source, node, "found outside of a <transform>, expected it inside of one");
+        std::vector<std::string> known = kObjectTags;
+        known.insert(known.end(), kOtherTags.begin() + 1, kOtherTags.end());
+        const std::string nearest = nearestName(tag, known);
+        throw nodeError(file.source, node,
+                        nearest.empty() ? "unknown element" : fmt::format("unknown element; did you mean <{}>?", nearest));
+    }
+
+    void object(const File& file, pugi::xml_node node, Element& parent, const std::string& nameInParent, int depth) {
+        const bool isRoot = node == file.source.root();
+        const Attributes attributes = isRoot
+                                          ? Attributes(file.source, node, parameters_, {"type"}, {"id", "name", "version"})
+                                          : Attributes(file.source, node, parameters_, {"type"}, {"id", "name"});
+        auto element = std::make_shared<Element>();
+        element->tag = node.name();
+        element->type = attributes["type"];
+        element->id = attributes.get("id");
+        element->location = file.source.at(node);
+        element->legacy = file.legacy;
+        if (element->type.empty()) throw nodeError(file.source, node, "has an empty type, expected a plugin's name");
+        const std::string name = attributes.has("name") ? attributes["name"] : nameInParent;
+        contents(file, node, *element, depth);
+        if (file.legacy) upgradeElement(*element, warnings_);
+        if (element->tag == "spectrum") {
+            if (!name.empty() && element->id.empty()) {
+                auto value = spectrumFromPlugin(*element);
+                located(file, node, [&] { addNamed(file, node, parent, name, std::move(value)); });
+                return;
+            }
+            throw nodeError(file.source, node, "expected a spectrum plugin to have a name and no id");
+        }
+        references_.addElement(element);
+        addElement(file, node, parent, name, element);
+    }
+
+    void include(const File& file, pugi::xml_node node, Element& parent, int depth) {
+        const Attributes attributes(file.source, node, parameters_, {"filename"}, {"name"});
+        located(file, node, [&] {
+            const fs::path path = findFile(attributes["filename"], file.source.file(), searchPaths());
+            const fs::path canonical = fs::weakly_canonical(path);
+            if (std::find(openFiles_.begin(), openFiles_.end(), canonical) != openFiles_.end())
+                throw Error("{} includes itself (cyclic include)", path.string());
+            if (openFiles_.size() > kMaxIncludeDepth)
+                throw Error("includes are nested more than {} files deep", kMaxIncludeDepth);
+            if (++includes_ > kMaxIncludes) throw Error("more than {} files are included", kMaxIncludes);
+            includeFile_ = path;
+        });
+        readFile(fs::path(includeFile_), parent, attributes.get("name"), depth);
+    }
+
+    void addPath(const File& file, pugi::xml_node node, const Element& parent) {
+        const Attributes attributes(file.source, node, parameters_, {"value"});
+        if (&parent != root_.get()) throw nodeError(file.source, node, "expected directly inside <scene>");
+        const fs::path value(attributes["value"]);
+        std::vector<fs::path> candidates = {value};
+        if (value.is_relative()) {
+            candidates = {file.source.file().parent_path() / value};
+            for (const fs::path& folder : searchPaths()) candidates.push_back(folder / value);
+        }
+        for (const fs::path& candidate : candidates) {
+            std::error_code code;
+            if (!fs::is_directory(candidate, code)) continue;
+            paths_.push_back(candidate);
+            return;
+        }
+        throw nodeError(file.source, node,
+                        fmt::format("the folder \"{}\" does not exist (looked for {})", value.string(),
+                                    candidates.front().string()));
+    }
+
+    void reference(const File& file, pugi::xml_node node, Element& parent) {
+        const Attributes attributes(file.source, node, parameters_, {"id"}, {"name"});
+        references_.addReference(parent, nextOrder_, attributes["id"], file.source.at(node));
+        addElement(file, node, parent, attributes.get("name"), nullptr);
+    }
+
+    void property(const File& file, pugi::xml_node node, const std::string& tag, Element& parent) {
+        const Source& source = file.source;
+        if (tag == "point" || tag == "vector") {
+            const Attributes a(source, node, parameters_, {"name"}, {"x", "y", "z", "value"});
+            located(file, node, [&] { addNamed(file, node, parent, a["name"], vector(a)); });
+        } else if (tag == "spectrum") {
+            const Attributes a(source, node, parameters_, {"name"}, {"value", "filename", "intent"});
+            located(file, node, [&] { addNamed(file, node, parent, a["name"], spectrum(file, a)); });
+        } else if (tag == "blackbody") {
+            const Attributes a(source, node, parameters_, {"name", "temperature"}, {"scale"});
+            located(file, node, [&] {
+                addNamed(file, node, parent, a["name"], parseBlackbody(a["temperature"], a.get("scale")));
+            });
+        } else if (tag == "rgb" || tag == "srgb") {
+            const Attributes a(source, node, parameters_, {"name", "value"}, {"intent"});
+            located(file, node, [&] {
+                addNamed(file, node, parent, a["name"],
+                         RgbValue{tag == "rgb" ? parseRgb(a["value"]) : parseSrgb(a["value"])});
+            });
+        } else {
+            const Attributes a(source, node, parameters_, {"name", "value"});
+            const std::string& text = a["value"];
+            located(file, node, [&] {
+                if (tag == "float") addNamed(file, node, parent, a["name"], parseNumber(text));
+                if (tag == "integer") addNamed(file, node, parent, a["name"], parseInteger(text));
+                if (tag == "boolean") addNamed(file, node, parent, a["name"], parseBoolean(text));
+                if (tag == "string") addNamed(file, node, parent, a["name"], text);
+            });
+        }
+    }
+
+    static Vec3f vector(const Attributes& attributes) {
+        const bool x = attributes.has("x"), y = attributes.has("y"), z = attributes.has("z");
+        if (attributes.has("value")) {
+            if (x || y || z) throw Error("found value together with x, y or z, expected one form");
+            return parseVec3(attributes["value"]);
+        }
+        if (!x || !y || !z) throw Error("expected the attributes x, y and z, or value");
+        return {parseFloat(attributes["x"]), parseFloat(attributes["y"]), parseFloat(attributes["z"])};
+    }
+
+    SpectrumValue spectrum(const File& file, const Attributes& attributes) const {
+        if (attributes.has("value") == attributes.has("filename"))
+            throw Error("expected either value or filename");
+        if (attributes.has("value")) return parseSpectrum(attributes["value"]);
+        return readSpectrumFile(findFile(attributes["filename"], file.source.file(), searchPaths()));
+    }
+
+    /// Runs `action`; its errors get the node's place.
+    template <class Action>
+    void located(const File& file, pugi::xml_node node, const Action& action) const {
+        try {
+            action();
+        } catch (const Error& problem) {
+            throw nodeError(file.source, node, problem.what());
+        }
+    }
+
+    template <class T>
+    void addNamed(const File& file, pugi::xml_node node, Element& parent, const std::string& name, T value) {
+        const auto same = [&](const auto& entry) { return entry.first == name; };
+        const auto earlier = std::find_if(parent.named.begin(), parent.named.end(), same);
+        if (name.empty()) throw Error("found an empty name, expected a property's name");
+        if (earlier != parent.named.end())
+            throw Error("found the property \"{}\" a second time, expected it once (first at {})", name,
+                        earlier->second.location.str());
+        if (parent.named.size() >= kMaxProperties) throw Error("more than {} properties in one element", kMaxProperties);
+        Property entry{std::move(value), file.source.at(node), false, nextOrder_++};
+        parent.named.emplace_back(name, std::move(entry));
+    }
+
+    void addElement(const File& file, pugi::xml_node node, Element& parent, const std::string& name, ElementPtr element) {
+        if (!name.empty()) {
+            located(file, node, [&] { addNamed(file, node, parent, name, std::move(element)); });
+        } else {
+            parent.children.push_back({std::move(element), file.source.at(node), false, nextOrder_++});
+        }
+    }
+
+    Parameters parameters_;
+    References references_;
+    std::shared_ptr<Element> root_;
+    fs::path sceneFolder_;
+    std::vector<fs::path> paths_;      // <path>s
+    std::vector<fs::path> openFiles_;  // includes that are being read, from the scene on
+    fs::path includeFile_;
+    int includes_ = 0;
+    int nextOrder_ = 0;
+    bool lenient_;
+    std::vector<std::string> warnings_;
+};
+
+}  // namespace
+
+fs::path findFile(const std::string& filename, const fs::path& from, const std::vector<fs::path>& searchPaths) {
+    if (filename.empty()) throw Error("found an empty file name");
+    std::string name = filename;
+    if (name.find('\0') != std::string::npos || name.size() > 4096) throw Error("found an unusable file name");
+    std::vector<fs::path> folders;
+    if (!fs::path(name).is_absolute()) {
+        const fs::path own = from.parent_path();
+        if (searchPaths.empty() || own != searchPaths.back()) folders.push_back(own);
+        folders.insert(folders.end(), searchPaths.begin(), searchPaths.end());
+    } else {
+        folders.emplace_back();
+    }
+    bool foundFolder = false;
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        for (const fs::path& folder : folders) {
+            std::error_code code;
+            const fs::path candidate = folder / name;
+            if (fs::is_regular_file(candidate, code)) return candidate;
+            foundFolder = foundFolder || fs::is_directory(candidate, code);
+        }
+        std::replace(name.begin(), name.end(), '\\', '/');  // scenes exported on Windows
+    }
+    std::string places;
+    for (const fs::path& folder : folders)
+        places += (places.empty() ? "" : ", ") + (folder.empty() ? std::string(".") : folder.string());
+    if (foundFolder) throw Error("\"{}\" is a folder, expected a file", filename);
+    throw Error("the file \"{}\" does not exist (looked in: {})", filename, places);
+}
+
+ParsedScene parseScene(const fs::path& file, const std::map<std::string, std::string>& defines, bool lenient) {
+    return Parser(defines, lenient).run(file);
+}
+
+}  // namespace metrolux::mitsuba

@@ -1,0 +1,31 @@
+#pragma once
+/// Mitsuba XML (2.x and 3.x, and 0.x upgraded) to a tree of Elements: includes, defaults, references and units of
+/// the file format are resolved; plugins are not known here.
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "io/mitsuba/properties.h"
+
+namespace metrolux::mitsuba {
+
+struct ParsedScene {
+    ElementPtr root;                      ///< <scene>; its objects are children, in order of appearance
+    std::set<const Element*> referenced;  ///< elements that some <ref> uses
+    std::vector<std::filesystem::path> searchPaths;  ///< in order: <path>s, the last first; then the scene's folder
+    std::vector<std::string> warnings;
+};
+
+/// Throws Error. When lenient, a missing or unknown version is a warning.
+ParsedScene parseScene(const std::filesystem::path& file, const std::map<std::string, std::string>& defines,
+                       bool lenient = false);
+
+/// The existing regular file that `filename`, written in the file `from`, names. Included files look in their own
+/// folder first, then all in `searchPaths`. Throws Error that lists the folders.
+std::filesystem::path findFile(const std::string& filename, const std::filesystem::path& from,
+                               const std::vector<std::filesystem::path>& searchPaths);
+
+}  // namespace metrolux::mitsuba

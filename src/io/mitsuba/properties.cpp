@@ -1,0 +1,211 @@
+#include "io/mitsuba/properties.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+namespace metrolux::mitsuba {
+namespace {
+
+/// "toWorld", "to_world" and "To_World" compare equal: a wrong spelling convention is the commonest slip.
+std::string comparable(const std::string& name) {
+    std::string result;
+    for (const char c : name)
+        if (c != '_' && c != '-') result += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return result;
+}
+
+size_t editDistance(const std::string& a, const std::string& b) {
+    std::vector<size_t> row(b.size() + 1);
+    for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (size_t i = 1; i <= a.size(); ++i) {
+        size_t diagonal = row[0];
+        row[0] = i;
+        for (size_t j = 1; j <= b.size(); ++j) {
+            const size_t substitution = diagonal + (a[i - 1] != b[j - 1]);
+            diagonal = row[j];
+            row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitution});
+        }
+    }
+    return row[b.size()];
+}
+
+std::string shortened(const std::string& text) {
+    return text.size() <= 60 ? text : text.substr(0, 57) + "...";
+}
+
+std::string describe(const Property& property) {
+    struct Describe {
+        std::string operator()(bool v) const { return v ? "the boolean true" : "the boolean false"; }
+        std::string operator()(int64_t v) const { return fmt::format("the integer {}", v); }
+        std::string operator()(double v) const { return fmt::format("the number {}", v); }
+        std::string operator()(const std::string& v) const {
+            return fmt::format("the string \"{}\"", shortened(v));
+        }
+        std::string operator()(const Vec3f& v) const {
+            return fmt::format("the vector ({}, {}, {})", v.x, v.y, v.z);
+        }
+        std::string operator()(const Transform&) const { return "a transform"; }
+        std::string operator()(const RgbValue&) const { return "a colour"; }
+        std::string operator()(const SpectrumValue&) const { return "a spectrum"; }
+        std::string operator()(const ElementPtr& v) const {
+            return v ? fmt::format("a <{} type=\"{}\">", v->tag, v->type) : std::string("nothing");
+        }
+    };
+    return std::visit(Describe{}, property.value);
+}
+
+std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
+    const std::string nearest = nearestName(name, known);
+    if (!nearest.empty()) return fmt::format("did you mean \"{}\"?", nearest);
+    if (known.empty()) return "no properties are expected here";
+    std::string list;
+    for (size_t i = 0; i < known.size() && i < 16; ++i) list += (i > 0 ? ", " : "") + known[i];
+    return "expected one of: " + list + (known.size() > 16 ? ", ..." : "");
+}
+
+template <class T>
+const T* typed(const Element& element, const Property* property, const char* expected) {
+    if (!property) return nullptr;
+    property->used = true;
+    const T* value = std::get_if<T>(&property->value);
+    if (!value)
+        throw element.error(*property, fmt::format("found {}, expected {}", describe(*property), expected));
+    return value;
+}
+
+}  // namespace
+
+std::string nearestName(const std::string& name, const std::vector<std::string>& candidates) {
+    const std::string wanted = comparable(name);
+    std::string best;
+    size_t bestDistance = std::max<size_t>(1, (wanted.size() + 1) / 3) + 1;
+    for (const std::string& candidate : candidates) {
+        const std::string known = comparable(candidate);
+        const size_t lengthDifference =
+            std::max(known.size(), wanted.size()) - std::min(known.size(), wanted.size());
+        if (lengthDifference >= bestDistance) continue;
+        const size_t distance = editDistance(wanted, known);
+        if (distance < bestDistance && distance < std::max(wanted.size(), known.size())) {
+            bestDistance = distance;
+            best = candidate;
+        }
+    }
+    return best;
+}
+
+const Property* Element::find(const std::string& name) const {
+    if (std::find(known_.begin(), known_.end(), name) == known_.end()) known_.push_back(name);
+    for (const auto& [key, property] : named)
+        if (key == name) return &property;
+    return nullptr;
+}
+
+bool Element::boolean(const std::string& name, bool fallback) const {
+    const bool* value = typed<bool>(*this, find(name), "a <boolean>");
+    return value ? *value : fallback;
+}
+
+int64_t Element::integer(const std::string& name, int64_t fallback) const {
+    const int64_t* value = typed<int64_t>(*this, find(name), "an <integer>");
+    return value ? *value : fallback;
+}
+
+float Element::number(const std::string& name, float fallback) const {
+    const Property* property = find(name);
+    if (!property) return fallback;
+    if (const int64_t* whole = std::get_if<int64_t>(&property->value)) {
+        property->used = true;
+        return static_cast<float>(*whole);
+    }
+    const double value = *typed<double>(*this, property, "a <float>");
+    if (!(std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max())))
+        throw error(*property, fmt::format("found {}, expected a finite single-precision number", value));
+    return static_cast<float>(value);
+}
+
+std::string Element::string(const std::string& name, const std::string& fallback) const {
+    const std::string* value = typed<std::string>(*this, find(name), "a <string>");
+    return value ? *value : fallback;
+}
+
+std::string Element::requiredString(const std::string& name) const {
+    const std::string* value = typed<std::string>(*this, find(name), "a <string>");
+    if (!value)
+        throw error(fmt::format("has no \"{0}\", expected <string name=\"{0}\" value=\"...\"/>", name));
+    return *value;
+}
+
+Vec3f Element::vector(const std::string& name, const Vec3f& fallback) const {
+    const Vec3f* value = typed<Vec3f>(*this, find(name), "a <point> or <vector>");
+    return value ? *value : fallback;
+}
+
+Transform Element::transform(const std::string& name) const {
+    const Transform* value = typed<Transform>(*this, find(name), "a <transform>");
+    return value ? *value : Transform();
+}
+
+ElementPtr Element::child(const std::string& name) const {
+    const Property* property = find(name);
+    if (!property) return nullptr;
+    const ElementPtr* element = std::get_if<ElementPtr>(&property->value);
+    if (!element) return nullptr;
+    property->used = true;
+    return *element;
+}
+
+std::vector<ElementPtr> Element::childrenOf(const std::string& childTag) const {
+    std::vector<std::pair<int, ElementPtr>> found;
+    const auto take = [&](const Property& property) {
+        const ElementPtr* element = std::get_if<ElementPtr>(&property.value);
+        if (!element || !*element || (*element)->tag != childTag) return;
+        property.used = true;
+        found.emplace_back(property.order, *element);
+    };
+    for (const Property& property : children) take(property);
+    for (const auto& entry : named) take(entry.second);
+    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<ElementPtr> result;
+    for (auto& entry : found) result.push_back(std::move(entry.second));
+    return result;
+}
+
+void Element::ignore(const std::string& name) const {
+    if (const Property* property = find(name)) property->used = true;
+}
+
+Error Element::error(const std::string& message) const {
+    const std::string typeText = type.empty() ? "" : fmt::format(" type=\"{}\"", shortened(type));
+    const std::string idText = id.empty() ? "" : fmt::format(" id=\"{}\"", shortened(id));
+    return Error("{}: <{}{}{}>: {}", location.str(), tag, typeText, idText, message);
+}
+
+Error Element::error(const Property& property, const std::string& message) const {
+    std::string name;
+    for (const auto& [key, candidate] : named)
+        if (&candidate == &property) name = key;
+    const std::string typeText = type.empty() ? "" : fmt::format(" type=\"{}\"", shortened(type));
+    const std::string what = name.empty() ? describe(property) : fmt::format("property \"{}\"", shortened(name));
+    return Error("{}: <{}{}>: {}: {}", property.location.str(), tag, typeText, what, message);
+}
+
+void Element::checkAllUsed(bool lenient, std::vector<std::string>& warnings) const {
+    const auto report = [&](const Error& problem) {
+        if (!lenient) throw problem;
+        warnings.emplace_back(problem.what());
+    };
+    for (const auto& [name, property] : named) {
+        if (property.used) continue;
+        property.used = true;  // said once, also when the element is shared
+        report(error(property, fmt::format("{} is not used by this element; {}", describe(property),
+                                           suggestion(name, known_))));
+    }
+    for (const Property& property : children) {
+        if (property.used) continue;
+        property.used = true;
+        report(error(property, "is not expected inside this element"));
+    }
+}
+
+}  // namespace metrolux::mitsuba

@@ -1,0 +1,49 @@
+#pragma once
+/// <ref>, <alias> and ids, resolved once the whole document is known.
+
+#include <map>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "io/mitsuba/properties.h"
+
+namespace metrolux::mitsuba {
+
+/// Elements inside elements, references followed: what a plugin's factory may have to recurse.
+inline constexpr int kMaxDepth = 256;
+
+class References {
+  public:
+    /// All elements must be announced, their ids are noted. Throws Error for a duplicate id.
+    void addElement(const std::shared_ptr<Element>& element);
+    /// The property of `parent` with this order is to become what `id` names.
+    void addReference(Element& parent, int order, const std::string& id, const Location& location);
+    void addAlias(const std::string& id, const std::string& as, const Location& location);
+    /// Links all references. Throws Error for an unknown id, a cycle, and more than kMaxDepth levels.
+    void resolve();
+    const std::set<const Element*>& referenced() const { return referenced_; }
+
+  private:
+    struct Reference {
+        Element* parent;
+        int order;
+        std::string id;
+        Location location;
+        std::shared_ptr<Element> target;
+    };
+    struct Alias {
+        std::string id;
+        Location location;
+    };
+    std::shared_ptr<Element> find(const Reference& reference) const;
+    void checkGraph() const;
+
+    std::vector<std::shared_ptr<Element>> elements_;
+    std::vector<Reference> references_;
+    std::map<std::string, std::shared_ptr<Element>> ids_;
+    std::map<std::string, Alias> aliases_;
+    std::set<const Element*> referenced_;
+};
+
+}  // namespace metrolux::mitsuba

@@ -1,0 +1,93 @@
+#include "io/mitsuba/attributes.h"
+#include "io/mitsuba/values.h"
+
+namespace metrolux::mitsuba {
+namespace {
+
+/// x, y, z, each with a default, or all of them as `value`.
+Vec3f components(const Attributes& attributes, float fallback) {
+    if (attributes.has("value")) {
+        if (attributes.has("x") || attributes.has("y") || attributes.has("z"))
+            throw Error("found value together with x, y or z, expected one form");
+        return parseVec3(attributes["value"]);
+    }
+    Vec3f result(fallback);
+    if (attributes.has("x")) result.x = parseFloat(attributes["x"]);
+    if (attributes.has("y")) result.y = parseFloat(attributes["y"]);
+    if (attributes.has("z")) result.z = parseFloat(attributes["z"]);
+    return result;
+}
+
+Vec3f point(const std::string& name, const std::string& text) {
+    if (splitList(text).size() != 3) throw Error("{}: found \"{}\", expected three numbers", name, text);
+    return parseVec3(text);
+}
+
+Transform matrix(const std::string& text) {
+    const std::vector<double> values = parseNumberList(text);
+    if (values.size() != 9 && values.size() != 16)
+        throw Error("found {} numbers, expected 9 or 16", values.size());
+    const size_t size = values.size() == 16 ? 4 : 3;
+    double rows[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
+    for (size_t i = 0; i < size; ++i)
+        for (size_t j = 0; j < size; ++j) rows[i][j] = values[i * size + j];
+    return Transform::fromRows(rows);
+}
+
+Transform lookAt(const Attributes& attributes) {
+    const Vec3f origin = point("origin", attributes["origin"]), target = point("target", attributes["target"]);
+    Vec3f up(0.0f);
+    if (attributes.has("up")) up = point("up", attributes["up"]);
+    if (up == Vec3f(0.0f)) {  // Mitsuba then picks any
+        const Vec3f direction = target - origin;
+        up = std::abs(direction.y) < 0.9f * direction.length() ? Vec3f(0, 1, 0) : Vec3f(1, 0, 0);
+    }
+    return Transform::lookAt(origin, target, up);
+}
+
+Transform operation(const Source& source, pugi::xml_node node, Parameters& parameters, bool legacy) {
+    const std::string tag = node.name();
+    if (tag == "translate")
+        return Transform::translate(components({source, node, parameters, {}, {"x", "y", "z", "value"}}, 0));
+    if (tag == "scale")
+        return Transform::scale(components({source, node, parameters, {}, {"x", "y", "z", "value"}}, 1));
+    if (tag == "rotate") {
+        const Attributes attributes(source, node, parameters, {"angle"}, {"x", "y", "z", "value"});
+        return Transform::rotate(components(attributes, 0), parseNumber(attributes["angle"]));
+    }
+    if (tag == "matrix") return matrix(Attributes(source, node, parameters, {"value"})["value"]);
+    if (tag == "lookat" || (legacy && tag == "lookAt"))
+        return lookAt({source, node, parameters, {"origin", "target"}, {"up"}});
+    const std::string nearest = nearestName(tag, {"translate", "scale", "rotate", "matrix", "lookat"});
+    throw Error("unknown inside <transform>{}", nearest.empty()
+                                                    ? ", expected translate, scale, rotate, matrix or lookat"
+                                                    : fmt::format("; did you mean <{}>?", nearest));
+}
+
+}  // namespace
+
+Transform parseTransform(const Source& source, pugi::xml_node node, Parameters& parameters, bool legacy) {
+    Transform result;
+    for (const pugi::xml_node child : node.children()) {
+        if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata)
+            throw nodeError(source, child.parent(), "found text inside, expected transform elements");
+        if (child.type() != pugi::node_element) continue;
+        if (child.first_child()) throw nodeError(source, child, "expected nothing inside this element");
+        Transform next;
+        try {
+            next = operation(source, child, parameters, legacy);
+        } catch (const Error& problem) {
+            const std::string message = problem.what();  // errors of attributes say already where they are
+            if (message.starts_with(source.file().string())) throw;
+            throw nodeError(source, child, message);
+        }
+        result = next * result;
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j)
+                if (!std::isfinite(result.at(i, j)))
+                    throw nodeError(source, child, "the product of the transforms is not finite");
+    }
+    return result;
+}
+
+}  // namespace metrolux::mitsuba

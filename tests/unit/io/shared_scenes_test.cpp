@@ -1,0 +1,69 @@
+/// The scenes of the shared folder parse, with their includes, defaults and references.
+
+#include <algorithm>
+
+#include "support.h"
+
+namespace metrolux {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Fragments are scenes of their own syntactically, but refer to what the including file has.
+std::vector<fs::path> sharedScenes() {
+    std::vector<fs::path> files;
+    for (const char* folder : {"/scenes", "/conformance"}) {
+        const fs::path root = std::string(METROLUX_SHARED_DIR) + folder;
+        if (!fs::exists(root)) continue;
+        for (const auto& entry : fs::recursive_directory_iterator(root))
+            if (entry.path().extension() == ".xml" && entry.path().parent_path().filename() != "fragments")
+                files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+TEST(SharedScenes, Parse) {
+    const auto files = sharedScenes();
+    if (files.empty()) GTEST_SKIP() << "no scenes in " << METROLUX_SHARED_DIR;
+    for (const fs::path& file : files) {
+        SCOPED_TRACE(file.string());
+        mitsuba::ParsedScene parsed;
+        ASSERT_NO_THROW(parsed = mitsuba::parseScene(file, {}));
+        EXPECT_EQ(parsed.root->childrenOf("sensor").size(), 1u);
+        EXPECT_EQ(parsed.root->childrenOf("integrator").size(), 1u);
+        EXPECT_FALSE(parsed.root->childrenOf("shape").empty());
+    }
+}
+
+TEST(SharedScenes, CornellBoxHasItsParts) {
+    const fs::path file = std::string(METROLUX_SHARED_DIR) + "/scenes/cornell-box/scene.xml";
+    if (!fs::exists(file)) GTEST_SKIP() << "no " << file;
+    const auto parsed = mitsuba::parseScene(file, {{"max_depth", "7"}});
+    EXPECT_EQ(parsed.root->childrenOf("integrator").at(0)->type, "path");
+    EXPECT_EQ(parsed.root->childrenOf("integrator").at(0)->integer("max_depth", 0), 7);
+    const auto sensor = parsed.root->childrenOf("sensor").at(0);
+    EXPECT_FLOAT_EQ(sensor->number("fov", 0), 19.5f);
+    EXPECT_FLOAT_EQ(static_cast<float>(sensor->transform("to_world").at(2, 3)), 6.8f);
+    EXPECT_EQ(sensor->childrenOf("film").at(0)->integer("width", 0), 1024);
+    const auto shapes = parsed.root->childrenOf("shape");
+    ASSERT_EQ(shapes.size(), 8u);
+    EXPECT_EQ(shapes[0]->childrenOf("bsdf").at(0)->id, "FloorBSDF");
+    EXPECT_EQ(shapes[0]->childrenOf("bsdf").at(0)->childrenOf("bsdf").at(0)->type, "diffuse");
+    EXPECT_TRUE(parsed.warnings.empty());
+}
+
+TEST(SharedScenes, LeftoversOfOldScenesAreWarnings) {
+    const fs::path file = std::string(METROLUX_SHARED_DIR) + "/scenes/water-caustic/scene.xml";
+    if (!fs::exists(file)) GTEST_SKIP() << "no " << file;
+    const auto parsed = mitsuba::parseScene(file, {});
+    int ignored = 0;
+    for (const std::string& warning : parsed.warnings) ignored += warning.find("is ignored") != std::string::npos;
+    EXPECT_GE(ignored, 3);  // <mode>, two <hide>
+    const auto water = parsed.root->childrenOf("shape").back();
+    EXPECT_TRUE(water->boolean("face_normals", false));
+    EXPECT_FLOAT_EQ(water->childrenOf("bsdf").at(0)->number("int_ior", 0), 1.8f);
+}
+
+}  // namespace
+}  // namespace metrolux

@@ -1,8 +1,8 @@
 #pragma once
-#include "base/error.h"
 #include "base/frame.h"
 #include "base/warp.h"
 #include "endpoint/light.h"
+#include "endpoint/lights/emission.h"
 
 namespace metrolux {
 
@@ -36,12 +36,5 @@ class InfiniteLight : public Light {
 
     SceneBounds bounds_;
 };
-
-/// Throws Error when a light's colour is negative or not finite.
-inline void requireEmission(const Rgb& value, const char* light) {
-    if (!isFinite(value) || value.x < 0 || value.y < 0 || value.z < 0)
-        throw Error("{} light: the emission ({}, {}, {}) must be finite and not negative", light, value.x,
-                    value.y, value.z);
-}
 
 }  // namespace metrolux

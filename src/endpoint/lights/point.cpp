@@ -1,7 +1,6 @@
-#include "base/error.h"
 #include "base/warp.h"
 #include "endpoint/lights.h"
-#include "endpoint/lights/infinite.h"
+#include "endpoint/lights/emission.h"
 
 namespace metrolux {
 

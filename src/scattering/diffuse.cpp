@@ -1,36 +1,34 @@
 #include "scattering/diffuse.h"
 
 #include "base/warp.h"
+#include "scattering/parameter.h"
 
 namespace metrolux {
 namespace {
 
 class Diffuse final : public Bsdf {
   public:
-    explicit Diffuse(const DiffuseParameters& parameters) : reflectance_(parameters.reflectance) {}
+    explicit Diffuse(const DiffuseParameters& parameters) : reflectance_(parameters.reflectance, 0.5f) {}
 
     std::optional<BsdfSample> sample(const SurfaceInteraction& si, const Vec3f& known, TransportMode mode,
                                      float, const Vec2f& u) const override {
-        if (known.z <= 0) return std::nullopt;
+        if (!(known.z > 0)) return std::nullopt;
         return finishSmooth(si, known, warp::squareToCosineHemisphere(u), mode);
     }
 
     BsdfEvaluation evaluate(const SurfaceInteraction& si, const Vec3f& wEye,
                             const Vec3f& wLight) const override {
-        if (wEye.z <= 0 || wLight.z <= 0) return {};
+        if (!(wEye.z > 0 && wLight.z > 0)) return {};
         return {albedo(si) * (kInvPi * wLight.z), warp::cosineHemispherePdf(wLight),
                 warp::cosineHemispherePdf(wEye)};
     }
 
-    Rgb albedo(const SurfaceInteraction& si) const override { return clampUnit(reflectance_->rgb(si)); }
+    Rgb albedo(const SurfaceInteraction& si) const override { return clampUnit(reflectance_(si)); }
     bool hasSmoothLobe() const override { return true; }
     bool hasDeltaLobe() const override { return false; }
 
   private:
-    static Rgb clampUnit(const Rgb& c) {
-        return {std::clamp(c.x, 0.0f, 1.0f), std::clamp(c.y, 0.0f, 1.0f), std::clamp(c.z, 0.0f, 1.0f)};
-    }
-    TexturePtr reflectance_;
+    ColorParameter reflectance_;
 };
 
 }  // namespace

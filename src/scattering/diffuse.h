@@ -6,7 +6,7 @@ namespace metrolux {
 
 /// Lambertian reflection on the side of the normal; the other side is black.
 struct DiffuseParameters {
-    TexturePtr reflectance;
+    TexturePtr reflectance;  ///< clamped to [0, 1]; 0.5 when null
 };
 BsdfPtr makeDiffuse(const DiffuseParameters& parameters);
 

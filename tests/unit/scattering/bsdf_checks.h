@@ -306,6 +306,7 @@ inline void checkDelta(const BsdfCase& c, const Vec3f& known, TransportMode mode
         EXPECT_NEAR(back->pdfForward, forward->pdfReverse, 2e-3);
         EXPECT_NEAR(back->pdfReverse, forward->pdfForward, 2e-3);
         EXPECT_NEAR(back->eta * forward->eta, 1, 1e-4);
+        if (!c.conservesAdjoint) continue;  // the cosines are those of another frame
         for (int k = 0; k < 3; ++k)
             EXPECT_NEAR(energy(*back, forward->direction, other)[k], energy(*forward, known, mode)[k], 3e-3);
     }

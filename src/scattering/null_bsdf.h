@@ -1,0 +1,12 @@
+#pragma once
+#include "scattering/bsdf.h"
+
+namespace metrolux {
+
+/// The surface that is not there: everything passes straight on.
+BsdfPtr makeNullBsdf();
+
+/// The delta lobe that lets `energy` pass straight on, chosen with `probability` from either end.
+BsdfSample passThrough(const Vec3f& known, const Rgb& energy, float probability);
+
+}  // namespace metrolux

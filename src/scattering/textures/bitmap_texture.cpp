@@ -1,0 +1,121 @@
+#include "scattering/textures/bitmap_texture.h"
+
+#include "base/error.h"
+
+#include <array>
+
+namespace metrolux {
+namespace {
+
+class BitmapTexture final : public Texture {
+  public:
+    explicit BitmapTexture(const BitmapTextureParameters& parameters) : image_(parameters) {
+        std::array<double, 3> sum{};
+        for (int y = 0; y < image_.height; ++y)
+            for (int x = 0; x < image_.width; ++x) {
+                const Rgb c = texel(x, y);
+                for (size_t k = 0; k < 3; ++k) sum[k] += c[static_cast<int>(k)];
+            }
+        const double scale = 1.0 / (static_cast<double>(image_.width) * image_.height);
+        for (size_t k = 0; k < 3; ++k) mean_[static_cast<int>(k)] = static_cast<float>(sum[k] * scale);
+    }
+
+    Rgb rgb(const SurfaceInteraction& si) const override {
+        const Vec2f p = pixelPosition(si);
+        if (nearest()) return wrapped(floorInt(p.x), floorInt(p.y));
+        const Patch patch = patchAt(p);
+        return lerp(patch.fy, lerp(patch.fx, patch.c00, patch.c10), lerp(patch.fx, patch.c01, patch.c11));
+    }
+
+    float scalar(const SurfaceInteraction& si) const override {
+        const Rgb c = rgb(si);
+        return image_.channels == 1 ? c.x : luminance(c);
+    }
+
+    /// Bilinear: the derivative of the patch. Nearest has none; the central difference of the neighbour
+    /// texels stands in for it.
+    Vec2f gradient(const SurfaceInteraction& si) const override {
+        const Vec2f p = pixelPosition(si);
+        Vec2f perTexel;
+        if (nearest()) {
+            const int x = floorInt(p.x), y = floorInt(p.y);
+            perTexel = {0.5f * (height(wrapped(x + 1, y)) - height(wrapped(x - 1, y))),
+                        0.5f * (height(wrapped(x, y + 1)) - height(wrapped(x, y - 1)))};
+        } else {
+            const Patch patch = patchAt(p);
+            const float h00 = height(patch.c00), h10 = height(patch.c10), h01 = height(patch.c01),
+                        h11 = height(patch.c11);
+            perTexel = {metrolux::lerp(patch.fy, h10 - h00, h11 - h01),
+                        metrolux::lerp(patch.fx, h01 - h00, h11 - h10)};
+        }
+        return image_.toUv.pullBack(
+            {perTexel.x * static_cast<float>(image_.width), perTexel.y * static_cast<float>(image_.height)});
+    }
+
+    Rgb mean() const override { return mean_; }
+    bool isConstant() const override { return image_.width == 1 && image_.height == 1; }
+    Vec2i resolution() const override { return {image_.width, image_.height}; }
+
+  private:
+    /// Four texels and the position between them.
+    struct Patch {
+        Rgb c00, c10, c01, c11;
+        float fx, fy;
+    };
+
+    static int floorInt(float x) { return static_cast<int>(std::floor(x)); }
+    bool nearest() const { return image_.filter == BitmapTextureParameters::Filter::Nearest; }
+    float height(const Rgb& c) const { return image_.channels == 1 ? c.x : luminance(c); }
+
+    /// Mapped uv in texels; wild coordinates are kept within what an int can hold.
+    Vec2f pixelPosition(const SurfaceInteraction& si) const {
+        const Vec2f uv = image_.toUv(si.uv);
+        const auto limited = [](float x) { return std::isfinite(x) ? std::clamp(x, -1e9f, 1e9f) : 0.0f; };
+        return {limited(uv.x * static_cast<float>(image_.width)),
+                limited(uv.y * static_cast<float>(image_.height))};
+    }
+
+    Patch patchAt(const Vec2f& p) const {
+        const float px = p.x - 0.5f, py = p.y - 0.5f;
+        const int x = floorInt(px), y = floorInt(py);
+        return {wrapped(x, y),         wrapped(x + 1, y),          wrapped(x, y + 1),
+                wrapped(x + 1, y + 1), px - static_cast<float>(x), py - static_cast<float>(y)};
+    }
+
+    int wrap(int i, int size) const {
+        if (image_.wrap == BitmapTextureParameters::Wrap::Clamp) return std::clamp(i, 0, size - 1);
+        const bool mirror = image_.wrap == BitmapTextureParameters::Wrap::Mirror;
+        const int period = mirror ? 2 * size : size;
+        const int r = (i % period + period) % period;
+        return r < size ? r : period - 1 - r;
+    }
+    Rgb wrapped(int x, int y) const { return texel(wrap(x, image_.width), wrap(y, image_.height)); }
+
+    Rgb texel(int x, int y) const {
+        const size_t index =
+            static_cast<size_t>(y) * static_cast<size_t>(image_.width) + static_cast<size_t>(x);
+        const float* p = image_.pixels->data() + index * static_cast<size_t>(image_.channels);
+        return image_.channels == 1 ? Rgb(p[0]) : Rgb(p[0], p[1], p[2]);
+    }
+
+    BitmapTextureParameters image_;
+    Rgb mean_{0.0f};
+};
+
+}  // namespace
+
+TexturePtr makeBitmapTexture(const BitmapTextureParameters& p) {
+    if (p.width < 1 || p.height < 1 || (p.channels != 1 && p.channels != 3))
+        throw Error(
+            "bitmap texture: {} x {} pixels of {} channels; 1 or 3 channels and at least one pixel are "
+            "expected",
+            p.width, p.height, p.channels);
+    const size_t size =
+        static_cast<size_t>(p.width) * static_cast<size_t>(p.height) * static_cast<size_t>(p.channels);
+    if (!p.pixels || p.pixels->size() != size)
+        throw Error("bitmap texture: {} values for {} x {} x {}", p.pixels ? p.pixels->size() : 0, p.width,
+                    p.height, p.channels);
+    return std::make_shared<BitmapTexture>(p);
+}
+
+}  // namespace metrolux

@@ -1,0 +1,45 @@
+#include "scattering/thin_dielectric.h"
+
+#include "base/error.h"
+#include "scattering/delta_pair.h"
+#include "scattering/fresnel.h"
+#include "scattering/parameter.h"
+
+namespace metrolux {
+namespace {
+
+class ThinDielectric final : public DeltaPair {
+  public:
+    explicit ThinDielectric(const ThinDielectricParameters& p)
+        : eta_(p.eta), reflectance_(p.specularReflectance, 1), transmittance_(p.specularTransmittance, 1) {}
+
+    std::optional<BsdfSample> sample(const SurfaceInteraction& si, const Vec3f& known, TransportMode mode,
+                                     float uLobe, const Vec2f&) const override {
+        if (known.z == 0) return std::nullopt;
+        const float f = sheetReflectance(fresnelDielectric(absCosTheta(known), eta_));
+        return choose(known, mode, uLobe, reflectance_(si) * f, transmittance_(si) * (1 - f), -known, 1);
+    }
+
+    Rgb albedo(const SurfaceInteraction& si) const override {
+        const float f = sheetReflectance(std::clamp(fresnelDiffuseReflectance(eta_), 0.0f, 1.0f));
+        return clampUnit(lerp(f, transmittance_(si), reflectance_(si)));
+    }
+
+  private:
+    /// R + TRT + TR^3T + ... = 2R / (1 + R) for T = 1 - R
+    static float sheetReflectance(float r) { return 2 * r / (1 + r); }
+
+    float eta_;
+    ColorParameter reflectance_, transmittance_;
+};
+
+}  // namespace
+
+BsdfPtr makeThinDielectric(const ThinDielectricParameters& parameters) {
+    if (!(parameters.eta > 0) || !std::isfinite(parameters.eta))
+        throw Error("thindielectric: the relative index of refraction is {}, but must be positive",
+                    parameters.eta);
+    return std::make_shared<ThinDielectric>(parameters);
+}
+
+}  // namespace metrolux

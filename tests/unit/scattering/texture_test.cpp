@@ -1,0 +1,110 @@
+#include "base/error.h"
+#include "bsdf_checks.h"
+#include "geometry/shape.h"
+#include "scattering/textures/bitmap_texture.h"
+#include "scattering/textures/checkerboard.h"
+#include "scattering/textures/constant.h"
+#include "scattering/textures/mesh_attribute.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace metrolux {
+namespace {
+
+using test::flatInteraction;
+using Bitmap = BitmapTextureParameters;
+
+/// width x height, one channel, pixel i has the value i.
+Bitmap numbered(int width, int height) {
+    std::vector<float> values(static_cast<size_t>(width * height));
+    std::iota(values.begin(), values.end(), 0.0f);
+    Bitmap p;
+    p.width = width;
+    p.height = height;
+    p.channels = 1;
+    p.pixels = std::make_shared<std::vector<float>>(std::move(values));
+    return p;
+}
+float at(const TexturePtr& texture, float u, float v) { return texture->scalar(flatInteraction({u, v})); }
+
+TEST(BitmapTexture, BilinearBetweenTexelCentres) {
+    const TexturePtr t = makeBitmapTexture(numbered(4, 2));
+    EXPECT_FLOAT_EQ(at(t, 0.125f, 0.25f), 0) << "centre of the first pixel of the first row";
+    EXPECT_FLOAT_EQ(at(t, 0.875f, 0.75f), 7) << "v grows from row to row";
+    EXPECT_FLOAT_EQ(at(t, 0.25f, 0.5f), 0.25f * (0 + 1 + 4 + 5));
+    EXPECT_FLOAT_EQ(t->mean().x, 3.5f);
+    EXPECT_EQ(t->resolution(), Vec2i(4, 2));
+}
+
+TEST(BitmapTexture, WrapModes) {
+    Bitmap p = numbered(4, 1);
+    p.filter = Bitmap::Filter::Nearest;
+    const auto row = [&](Bitmap::Wrap wrap) {
+        p.wrap = wrap;
+        const TexturePtr t = makeBitmapTexture(p);
+        std::vector<float> values;
+        for (int i = -5; i <= 9; ++i) values.push_back(at(t, (static_cast<float>(i) + 0.5f) / 4, 0.5f));
+        return values;
+    };
+    EXPECT_EQ(row(Bitmap::Wrap::Repeat), (std::vector<float>{3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1}));
+    EXPECT_EQ(row(Bitmap::Wrap::Mirror), (std::vector<float>{3, 3, 2, 1, 0, 0, 1, 2, 3, 3, 2, 1, 0, 0, 1}));
+    EXPECT_EQ(row(Bitmap::Wrap::Clamp), (std::vector<float>{0, 0, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 3, 3, 3}));
+}
+
+TEST(BitmapTexture, GradientIsTheDerivativeOfThePatch) {
+    Bitmap p = numbered(5, 3);
+    p.toUv = {{{0.8f, 0.3f, 0.1f}, {-0.2f, 0.7f, 0.2f}}};
+    const TexturePtr t = makeBitmapTexture(p);
+    const Vec2f uv(0.43f, 0.37f), g = t->gradient(flatInteraction(uv));
+    constexpr float kStep = 1e-3f;
+    EXPECT_NEAR(g.x, (at(t, uv.x + kStep, uv.y) - at(t, uv.x - kStep, uv.y)) / (2 * kStep), 2e-2);
+    EXPECT_NEAR(g.y, (at(t, uv.x, uv.y + kStep) - at(t, uv.x, uv.y - kStep)) / (2 * kStep), 2e-2);
+}
+
+TEST(BitmapTexture, ColourAndErrors) {
+    Bitmap p;
+    p.width = p.height = 1;
+    p.pixels = std::make_shared<std::vector<float>>(std::vector<float>{1, 0.5f, 0.25f});
+    const TexturePtr t = makeBitmapTexture(p);
+    EXPECT_EQ(t->rgb(flatInteraction()), Rgb(1, 0.5f, 0.25f));
+    EXPECT_FLOAT_EQ(t->scalar(flatInteraction()), luminance(Rgb(1, 0.5f, 0.25f)));
+    p.width = 2;
+    EXPECT_THROW(makeBitmapTexture(p), Error);
+}
+
+TEST(Checkerboard, Squares) {
+    CheckerboardParameters p{makeConstantTexture(Rgb(1, 0, 0)), makeConstantTexture(Rgb(0, 1, 0)), {}};
+    const TexturePtr t = makeCheckerboard(p);
+    EXPECT_EQ(t->rgb(flatInteraction({0.2f, 0.2f})), Rgb(1, 0, 0));
+    EXPECT_EQ(t->rgb(flatInteraction({0.7f, 0.2f})), Rgb(0, 1, 0));
+    EXPECT_EQ(t->rgb(flatInteraction({0.7f, -0.2f})), Rgb(1, 0, 0));
+    EXPECT_EQ(t->mean(), Rgb(0.5f, 0.5f, 0));
+    p.toUv.m[0][0] = p.toUv.m[1][1] = 10;
+    EXPECT_EQ(makeCheckerboard(p)->rgb(flatInteraction({0.07f, 0.02f})), Rgb(0, 1, 0));
+}
+
+/// Geometry is another module: a shape that answers with its barycentric coordinates.
+class AttributeShape final : public Shape {
+  public:
+    float area() const override { return 1; }
+    ShapeSample sampleArea(const Vec2f&) const override { return {}; }
+    void bounds(Vec3f& lower, Vec3f& upper) const override { lower = upper = Vec3f(0, 0, 0); }
+    bool attribute(const std::string& name, const SurfaceInteraction& si, Rgb& value) const override {
+        value = {si.barycentric.x, si.barycentric.y, 0};
+        return name == "vertex_color";
+    }
+};
+
+TEST(MeshAttribute, ReadsTheShape) {
+    const AttributeShape shape;
+    SurfaceInteraction si = flatInteraction();
+    si.shape = &shape;
+    const TexturePtr t = makeMeshAttribute({"vertex_color", 2});
+    EXPECT_EQ(t->rgb(si), Rgb(2 * si.barycentric.x, 2 * si.barycentric.y, 0));
+    EXPECT_EQ(makeMeshAttribute({"vertex_none", 1})->rgb(si), Rgb(0.0f));
+}
+
+}  // namespace
+}  // namespace metrolux

@@ -1,8 +1,8 @@
 #pragma once
+#include "geometry/shape.h"
+
 #include <memory>
 #include <vector>
-
-#include "geometry/shape.h"
 
 namespace metrolux {
 
@@ -35,8 +35,10 @@ class Intersector {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Moves p off the surface to the side of `direction`, by a distance that is safe at any coordinate
-/// (Waechter & Binder 2019, A Fast and Robust Method for Avoiding Self-Intersection).
+/// Moves p off the surface to the side of `direction`, by a distance that is safe at any coordinate: as in
+/// Waechter & Binder 2019 (A Fast and Robust Method for Avoiding Self-Intersection) it is counted in units of
+/// the last place, here of the largest coordinate, because curved and tilted surfaces mix the rounding of all
+/// three.
 Vec3f offsetRayOrigin(const Vec3f& p, const Vec3f& ng, const Vec3f& direction);
 
 }  // namespace metrolux

@@ -1,12 +1,12 @@
 #pragma once
+#include "base/math.h"
+#include "base/transform.h"
+#include "geometry/interaction.h"
+
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "base/math.h"
-#include "base/transform.h"
-#include "geometry/interaction.h"
 
 namespace metrolux {
 
@@ -27,8 +27,8 @@ class Shape {
     virtual float area() const = 0;
     /// Uniform over the area.
     virtual ShapeSample sampleArea(const Vec2f& u) const = 0;
-    /// A point to be seen from `reference`; may prefer the visible part. `pdfArea` is the density per area of the
-    /// result. Default: sampleArea.
+    /// A point to be seen from `reference`; may prefer the visible part. `pdfArea` is the density per area of
+    /// the result. Default: sampleArea.
     virtual std::optional<ShapeSample> sampleToward(const Vec3f& reference, const Vec2f& u) const {
         (void)reference;
         return sampleArea(u);
@@ -41,7 +41,8 @@ class Shape {
     /// World-space bounds.
     virtual void bounds(Vec3f& lower, Vec3f& upper) const = 0;
     virtual size_t primitiveCount() const { return 1; }
-    /// Interpolated mesh attribute ("vertex_color", "face_weight" ...), or nullptr if the shape does not have it.
+    /// Interpolated mesh attribute ("vertex_color", "face_weight" ...), or nullptr if the shape does not have
+    /// it.
     virtual bool attribute(const std::string& name, const SurfaceInteraction& si, Rgb& value) const {
         (void)name, (void)si, (void)value;
         return false;
@@ -53,30 +54,37 @@ class Shape {
     }
 
     // Set by the loader.
-    std::string id;                           ///< name for messages
-    std::shared_ptr<const Bsdf> bsdf;         ///< never null after loading
-    std::shared_ptr<const Light> emitter;     ///< null unless the shape is an area light
+    std::string id;                        ///< name for messages
+    std::shared_ptr<const Bsdf> bsdf;      ///< never null after loading
+    std::shared_ptr<const Light> emitter;  ///< null unless the shape is an area light
 };
 using ShapePtr = std::shared_ptr<Shape>;
 
 /// Triangles in world space. Normals and uv are optional. Immutable once built.
+///
+/// The winding orients ng: cross(p1 - p0, p2 - p0). A triangle whose vertex normals lie on the other side
+/// follows them instead, whole: Mitsuba decides the sides of a surface by its shading normal alone.
 class TriangleMesh final : public Shape {
   public:
     struct Attribute {
-        std::string name;   ///< with its prefix: "vertex_..." or "face_..."
-        int channels = 3;   ///< 1 or 3
+        std::string name;  ///< with its prefix: "vertex_..." or "face_..."
+        int channels = 3;  ///< 1 or 3
         std::vector<float> values;
     };
     std::vector<Vec3f> positions;
-    std::vector<Vec3f> normals;  ///< empty, or one per vertex
-    std::vector<Vec2f> uvs;      ///< empty, or one per vertex
+    std::vector<Vec3f> normals;     ///< empty, or one per vertex
+    std::vector<Vec2f> uvs;         ///< empty, or one per vertex
     std::vector<uint32_t> indices;  ///< three per triangle
     std::vector<Attribute> attributes;
     bool flipNormals = false;  ///< ng and ns point to the other side
 
-    /// To be called when the vectors are filled: checks indices, drops what is not needed, builds the area table.
-    /// Throws Error for indices out of range and non-finite vertices. Triangles of zero area are kept out of sampling.
+    /// To be called when the vectors are filled: checks indices, drops what is not needed, builds the area
+    /// table. Throws Error for indices out of range and non-finite vertices. Triangles of zero area are kept
+    /// out of sampling.
     void finalize();
+    /// Replaces `normals` by the mean of the adjacent faces' normals, weighted by the angle at the vertex
+    /// (Thuermer & Wuethrich 1998, as Mitsuba does). To be called before finalize(), with valid indices.
+    void computeVertexNormals();
 
     float area() const override { return totalArea_; }
     ShapeSample sampleArea(const Vec2f& u) const override;
@@ -96,7 +104,9 @@ class TriangleMesh final : public Shape {
 /// Sphere, disk and cylinder: intersected by Embree's user-geometry callbacks.
 class AnalyticShape : public Shape {
   public:
-    /// Nearest intersection with tMin < t < tMax (tMin excludes the ray's own surface, see geometry/offset.h).
+    /// Nearest intersection with tMin < t' < t; t becomes t'. Distances are in units of ray.direction, which
+    /// need not be of unit length here (rays are transformed into the space of an instance). `si`, if not
+    /// null, is filled.
     virtual bool intersect(const Ray& ray, float tMin, float& t, SurfaceInteraction* si) const = 0;
 };
 
@@ -105,7 +115,8 @@ ShapePtr makeSphere(const Transform& toWorld, const Vec3f& center, float radius,
 /// The unit disk in the xy plane, normal +z, under any affine map.
 ShapePtr makeDisk(const Transform& toWorld, bool flipNormals);
 /// Cylinder from p0 to p1, without caps, normals to the outside.
-ShapePtr makeCylinder(const Transform& toWorld, const Vec3f& p0, const Vec3f& p1, float radius, bool flipNormals);
+ShapePtr makeCylinder(const Transform& toWorld, const Vec3f& p0, const Vec3f& p1, float radius,
+                      bool flipNormals);
 /// The square [-1,1]^2 in the xy plane, normal +z, as two triangles.
 ShapePtr makeRectangle(const Transform& toWorld, bool flipNormals);
 /// The cube [-1,1]^3, normals outside, uv in [0,1]^2 on each face, flat shading.

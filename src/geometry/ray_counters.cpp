@@ -1,0 +1,78 @@
+#include "geometry/ray_counters.h"
+
+#include <algorithm>
+#include <mutex>
+#include <vector>
+
+namespace metrolux {
+
+namespace {
+
+struct Sums {
+    uint64_t intersectRays = 0, shadowRays = 0, timedNanoseconds = 0;
+    void add(const RayCounters& c) {
+        intersectRays += c.intersectRays.load(std::memory_order_relaxed);
+        shadowRays += c.shadowRays.load(std::memory_order_relaxed);
+        timedNanoseconds += c.timedNanoseconds.load(std::memory_order_relaxed);
+    }
+};
+
+struct Registry {
+    std::mutex mutex;
+    std::vector<const RayCounters*> live;
+    Sums retired;   // of threads that have ended
+    Sums baseline;  // what reset() subtracts: the counters belong to their threads and are never written by
+                    // others
+
+    Sums sum() const {
+        Sums result = retired;
+        for (const RayCounters* counters : live) result.add(*counters);
+        return result;
+    }
+};
+
+/// Never destroyed: threads may end after static objects do.
+Registry& registry() {
+    static Registry* const instance = new Registry;
+    return *instance;
+}
+
+}  // namespace
+
+RayCounters::RayCounters() {
+    const std::lock_guard lock(registry().mutex);
+    registry().live.push_back(this);
+}
+
+RayCounters::~RayCounters() {
+    const std::lock_guard lock(registry().mutex);
+    registry().retired.add(*this);
+    std::erase(registry().live, this);
+}
+
+RayCounters& RayCounters::ofThisThread() {
+    thread_local RayCounters counters;
+    return counters;
+}
+
+RayStatistics RayCounters::total() {
+    const std::lock_guard lock(registry().mutex);
+    const Sums now = registry().sum();
+    const Sums& base = registry().baseline;
+    RayStatistics result;
+    result.intersectRays = now.intersectRays - base.intersectRays;
+    result.shadowRays = now.shadowRays - base.shadowRays;
+    result.secondsInEmbree =
+        1e-9 * static_cast<double>((now.timedNanoseconds - base.timedNanoseconds) * RayTimer::kTimedEvery);
+    return result;
+}
+
+void RayCounters::reset() {
+    const std::lock_guard lock(registry().mutex);
+    registry().baseline = registry().sum();
+}
+
+RayStatistics Intersector::statistics() { return RayCounters::total(); }
+void Intersector::resetStatistics() { RayCounters::reset(); }
+
+}  // namespace metrolux

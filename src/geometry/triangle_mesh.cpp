@@ -1,0 +1,180 @@
+#include "base/warp.h"
+#include "geometry/affine.h"
+#include "geometry/shape.h"
+
+#include <algorithm>
+
+namespace metrolux {
+
+namespace {
+
+Vec3d scaledNormal(const Vec3f& p0, const Vec3f& p1, const Vec3f& p2) {
+    return (toDouble(p1) - toDouble(p0)).cross(toDouble(p2) - toDouble(p0));
+}
+
+template <class T>
+T interpolate(const T& a0, const T& a1, const T& a2, const Vec2f& b) {
+    return a0 * (1.0f - b.x - b.y) + a1 * b.x + a2 * b.y;
+}
+
+bool isVertexAttribute(const TriangleMesh::Attribute& attribute) {
+    return attribute.name.starts_with("vertex_");
+}
+
+}  // namespace
+
+void TriangleMesh::finalize() {
+    const size_t vertexCount = positions.size();
+    if (indices.size() % 3 != 0)
+        throw Error("mesh \"{}\": {} indices are not whole triangles", id, indices.size());
+    for (size_t i = 0; i < indices.size(); ++i)
+        if (indices[i] >= vertexCount)
+            throw Error("mesh \"{}\": triangle {} refers to vertex {}, but there are {}", id, i / 3,
+                        indices[i], vertexCount);
+    const auto check = [&](size_t size, size_t expected, const std::string& what) {
+        if (size != expected) throw Error("mesh \"{}\": {} {}, expected {}", id, size, what, expected);
+    };
+    if (!normals.empty()) check(normals.size(), vertexCount, "vertex normals");
+    if (!uvs.empty()) check(uvs.size(), vertexCount, "texture coordinates");
+    for (const Attribute& a : attributes) {
+        if (a.channels != 1 && a.channels != 3)
+            throw Error("mesh \"{}\": attribute \"{}\" has {} channels, expected 1 or 3", id, a.name,
+                        a.channels);
+        const size_t count = isVertexAttribute(a) ? vertexCount : primitiveCount();
+        check(a.values.size(), count * static_cast<size_t>(a.channels), "values of " + a.name);
+    }
+    for (size_t i = 0; i < vertexCount; ++i)
+        if (!isFinite(positions[i])) throw Error("mesh \"{}\": vertex {} is not finite", id, i);
+    for (size_t i = 0; i < normals.size(); ++i)
+        if (!isFinite(normals[i])) throw Error("mesh \"{}\": the normal of vertex {} is not finite", id, i);
+    for (size_t i = 0; i < uvs.size(); ++i)
+        if (!std::isfinite(uvs[i].x) || !std::isfinite(uvs[i].y))
+            throw Error("mesh \"{}\": the texture coordinates of vertex {} are not finite", id, i);
+
+    areaCdf_.resize(primitiveCount());
+    double total = 0;
+    for (size_t i = 0; i < primitiveCount(); ++i) {
+        const uint32_t* v = &indices[3 * i];
+        total += 0.5 * scaledNormal(positions[v[0]], positions[v[1]], positions[v[2]]).length();
+        areaCdf_[i] = total;
+    }
+    totalArea_ = static_cast<float>(total);
+    // Embree reads 16 bytes at the last element of the buffers that it shares with the mesh.
+    positions.reserve(vertexCount + 2);
+    indices.reserve(indices.size() + 4);
+}
+
+void TriangleMesh::computeVertexNormals() {
+    std::vector<Vec3d> sums(positions.size(), Vec3d(0.0));
+    for (size_t i = 0; i < primitiveCount(); ++i) {
+        const uint32_t* v = &indices[3 * i];
+        const Vec3d normal = scaledNormal(positions[v[0]], positions[v[1]], positions[v[2]]).normalized();
+        for (int corner = 0; corner < 3; ++corner) {
+            const Vec3d p = toDouble(positions[v[corner]]);
+            const Vec3d a = (toDouble(positions[v[(corner + 1) % 3]]) - p).normalized();
+            const Vec3d b = (toDouble(positions[v[(corner + 2) % 3]]) - p).normalized();
+            sums[v[corner]] += normal * std::atan2(a.cross(b).length(), a.dot(b));
+        }
+    }
+    normals.resize(positions.size());
+    // A vertex of degenerate faces only keeps a zero normal; interaction() falls back on the geometric one.
+    for (size_t i = 0; i < sums.size(); ++i) normals[i] = toFloat(sums[i].normalized());
+}
+
+void TriangleMesh::interaction(uint32_t triangle, const Vec2f& barycentric, SurfaceInteraction& si) const {
+    const uint32_t* v = &indices[3 * size_t(triangle)];
+    const Vec3f &p0 = positions[v[0]], &p1 = positions[v[1]], &p2 = positions[v[2]];
+    const Vec3d e1 = toDouble(p1) - toDouble(p0), e2 = toDouble(p2) - toDouble(p0);
+    // In double, so that errors of the barycentric coordinates slide along the plane and p is rounded once
+    // only.
+    si.p = toFloat(toDouble(p0) + e1 * static_cast<double>(barycentric.x) +
+                   e2 * static_cast<double>(barycentric.y));
+    si.shape = this;
+    si.primitive = triangle;
+    si.barycentric = barycentric;
+
+    const Vec3d scaled = e1.cross(e2);
+    const double length = scaled.length();
+    si.ng = length > 0 ? toFloat(scaled / length) : Vec3f(0, 0, 1);
+    si.ns = si.ng;
+    if (!normals.empty()) {
+        const Vec3f &n0 = normals[v[0]], &n1 = normals[v[1]], &n2 = normals[v[2]];
+        if (dot(si.ng, n0 + n1 + n2) < 0) si.ng = -si.ng;
+        const Vec3f n = interpolate(n0, n1, n2, barycentric);
+        const float norm = std::sqrt(lengthSquared(n));
+        si.ns = norm > 1e-6f ? n / norm : si.ng;
+    }
+    if (flipNormals) {
+        si.ng = -si.ng;
+        si.ns = -si.ns;
+    }
+
+    si.uv = barycentric;
+    bool hasTangents = false;
+    if (!uvs.empty()) {
+        const Vec2f &t0 = uvs[v[0]], &t1 = uvs[v[1]], &t2 = uvs[v[2]];
+        si.uv = interpolate(t0, t1, t2, barycentric);
+        const double du1 = double(t1.x) - t0.x, dv1 = double(t1.y) - t0.y;
+        const double du2 = double(t2.x) - t0.x, dv2 = double(t2.y) - t0.y;
+        const double determinant = du1 * dv2 - dv1 * du2;
+        if (determinant != 0) {
+            si.dpdu = toFloat((e1 * dv2 - e2 * dv1) / determinant);
+            si.dpdv = toFloat((e2 * du1 - e1 * du2) / determinant);
+            hasTangents = isFinite(si.dpdu) && isFinite(si.dpdv);
+        }
+    }
+    if (!hasTangents) {
+        const Frame frame = Frame::fromNormal(si.ng);
+        si.dpdu = frame.s;
+        si.dpdv = frame.t;
+    }
+    si.s = Frame::fromNormalAndTangent(si.ns, si.dpdu).s;
+}
+
+ShapeSample TriangleMesh::sampleArea(const Vec2f& u) const {
+    ShapeSample result;
+    if (!(totalArea_ > 0)) return result;
+    const double total = areaCdf_.back();
+    const double target = std::min(static_cast<double>(u.x), static_cast<double>(kOneMinusEpsilon)) * total;
+    // upper_bound never stops at a triangle of zero area: its entry equals its predecessor's.
+    const auto it = std::upper_bound(areaCdf_.begin(), areaCdf_.end(), target);
+    const size_t triangle = static_cast<size_t>(it - areaCdf_.begin());
+    const double below = triangle > 0 ? areaCdf_[triangle - 1] : 0.0;
+    const float rest = static_cast<float>((target - below) / (areaCdf_[triangle] - below));
+    const Vec2f inTriangle(std::clamp(rest, 0.0f, kOneMinusEpsilon), u.y);
+    interaction(static_cast<uint32_t>(triangle), warp::squareToTriangle(inTriangle), result.si);
+    result.pdfArea = 1.0f / totalArea_;
+    return result;
+}
+
+void TriangleMesh::bounds(Vec3f& lower, Vec3f& upper) const {
+    lower = Vec3f(kInfinity), upper = Vec3f(-kInfinity);
+    for (const uint32_t index : indices)
+        for (int i = 0; i < 3; ++i) {
+            lower[i] = std::min(lower[i], positions[index][i]);
+            upper[i] = std::max(upper[i], positions[index][i]);
+        }
+}
+
+int TriangleMesh::attributeChannels(const std::string& name) const {
+    for (const Attribute& a : attributes)
+        if (a.name == name) return a.channels;
+    return 0;
+}
+
+bool TriangleMesh::attribute(const std::string& name, const SurfaceInteraction& si, Rgb& value) const {
+    for (const Attribute& a : attributes) {
+        if (a.name != name) continue;
+        const auto at = [&](size_t i) {
+            const float* v = &a.values[i * static_cast<size_t>(a.channels)];
+            return a.channels == 1 ? Rgb(v[0]) : Rgb(v[0], v[1], v[2]);
+        };
+        const uint32_t* v = &indices[3 * size_t(si.primitive)];
+        value = isVertexAttribute(a) ? Rgb(interpolate(at(v[0]), at(v[1]), at(v[2]), si.barycentric))
+                                     : at(si.primitive);
+        return true;
+    }
+    return false;
+}
+
+}  // namespace metrolux

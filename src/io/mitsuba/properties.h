@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/math.h"
+#include "base/suggest.h"
 #include "base/transform.h"
 
 namespace metrolux::mitsuba {
@@ -88,8 +89,5 @@ class Element {
   private:
     mutable std::vector<std::string> known_;  // names that were asked for: candidates for suggestions
 };
-
-/// The candidate nearest to `name` in edit distance, or "" if nothing is near.
-std::string nearestName(const std::string& name, const std::vector<std::string>& candidates);
 
 }  // namespace metrolux::mitsuba

@@ -1,0 +1,348 @@
+#include "integrators/mcmc_vcm.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "integrators/iteration.h"
+#include "markov/chain.h"
+#include "markov/normalisation.h"
+#include "sampling/streams.h"
+
+namespace metrolux {
+
+namespace {
+
+/// What a primary sample evaluates to.
+struct Contribution {
+    SplatList splats;
+    double size = 0;  ///< F(u)
+    bool visible() const { return size > 0; }
+};
+struct VisibilityTarget {
+    double operator()(const Contribution& c) const { return c.visible() ? 1.0 : 0.0; }
+};
+struct ContributionTarget {
+    double operator()(const Contribution& c) const { return c.size; }
+};
+using State = MarkovState<Contribution>;
+using VisibilityChain = MarkovChain<Contribution, VisibilityTarget>;
+using ContributionChain = MarkovChain<Contribution, ContributionTarget>;
+
+/// Samples of each replica in an iteration, and the balance heuristic across replicas: W(u) of ALGORITHM.md section 3.
+struct ReplicaMixture {
+    double uniform = 0, visibility = 0, contribution = 0;  ///< n_U, n_V, n_F
+    double bVisibility = 1, bContribution = 1;
+
+    double weight(const Contribution& c) const {
+        if (!c.visible()) return 0;
+        return 1.0 / (uniform + visibility / bVisibility + contribution * c.size / bContribution);
+    }
+    /// Density boost q of section 1: the visibility replica's density stands for both chains.
+    double boost() const {
+        const double chains = visibility + contribution;
+        return (uniform + (chains > 0 ? chains / bVisibility : 0)) / (uniform + chains);
+    }
+};
+
+/// One independent set of the three replicas, with its own adaptation and random numbers. Lives across iterations.
+struct Lane {
+    Lane(uint64_t seed, int index, MutationKernel::Kind kind)
+        : rng(hashKey(seed, StreamPurpose::Chain, index)),
+          visibility(VisibilityTarget{}, kind),
+          contribution(ContributionTarget{}, kind) {}
+
+    CounterRng rng;
+    VisibilityChain visibility;
+    ContributionChain contribution;
+    PrimarySample lastVisible;  ///< the last visible uniform sample: replaces a chain's state that became invisible
+    State uniform, proposal;    ///< kept for their memory
+    uint64_t seeded = 0, swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
+    Normalisation::LaneSums sums;
+};
+
+class McmcVcmIntegrator final : public Integrator {
+  public:
+    McmcVcmIntegrator(const Scene& scene, const IntegratorOptions& options)
+        : scene_(scene),
+          options_(options),
+          partition_(scene.camera().window(), options),
+          radius_(projectedPixelRadius(scene, options), options.radiusAlpha),
+          normalisation_(laneCount(options)) {
+        for (const char c : options.replicas)
+            if (c != 'u' && c != 'v' && c != 'f')
+                throw Error("replicas: found '{}', expected a combination of the letters u, v, f", options.replicas);
+        useUniform_ = options.replicas.find('u') != std::string::npos;
+        useVisibility_ = options.replicas.find('v') != std::string::npos;
+        useContribution_ = options.replicas.find('f') != std::string::npos;
+        if (!useUniform_ && !useVisibility_ && !useContribution_)
+            throw Error("replicas: found nothing, expected a combination of the letters u, v, f");
+        const auto kind = options.kelemenKernel ? MutationKernel::Kind::Kelemen : MutationKernel::Kind::Adaptive;
+        for (int i = 0; i < laneCount(options); ++i) lanes_.emplace_back(options.seed, i, kind);
+    }
+
+    void renderPass(Film& film) override {
+        size_t first = 0;
+        for (int part = 0; part < partition_.parts(); ++part) {
+            iterate(film, partition_.pixels(part), first);
+            first += partition_.pixels(part).size();
+        }
+        film.endPass();
+        radius_.advance();
+    }
+
+    nlohmann::json statistics() const override;
+    std::string progressNote() const override;
+
+  private:
+    static int laneCount(const IntegratorOptions& options) { return options.lanes > 0 ? options.lanes : 64; }
+
+    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first);
+    ReplicaMixture mixture(size_t samples) const;
+    void seedChains(uint32_t pass, size_t first, const std::vector<double>& sizes);
+    void runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t steps, Film& film,
+                 double filmShare) const;
+    void revive(Lane& lane, const LightPass& pass) const;
+
+    const Scene& scene_;
+    IntegratorOptions options_;
+    PixelPartition partition_;
+    RadiusSchedule radius_;
+    bool useUniform_, useVisibility_, useContribution_;
+    bool chainsReady_ = false;
+    std::vector<Lane> lanes_;
+    Normalisation normalisation_;
+    EyeVertices eyes_;
+    VertexGrid grid_;
+};
+
+/// Adds the splats of a state with the weight that it has earned.
+void payOut(State& state, Film& film, double filmShare) {
+    if (state.weight > 0) film.addSplats(state.value.splats, state.weight, state.weight * filmShare);
+    state.weight = 0;
+}
+
+ReplicaMixture McmcVcmIntegrator::mixture(size_t samples) const {
+    ReplicaMixture mix;
+    if (!chainsReady_) {
+        mix.uniform = double(samples);
+        return mix;
+    }
+    mix.bVisibility = normalisation_.visibility().value;
+    mix.bContribution = normalisation_.contribution().value;
+    // Each lane takes steps of one sample of every replica in use; the counts are those really taken.
+    const int kinds = useUniform_ + useVisibility_ + useContribution_;
+    const size_t lanes = lanes_.size();
+    const double perReplica = double(std::max<size_t>(1, (samples / kinds + lanes - 1) / lanes) * lanes);
+    mix.uniform = useUniform_ ? perReplica : 0;
+    mix.visibility = useVisibility_ ? perReplica : 0;
+    mix.contribution = useContribution_ ? perReplica : 0;
+    return mix;
+}
+
+void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, size_t first) {
+    const double n = double(pixels.size()), r = radius_.radius();
+    const ReplicaMixture mix = mixture(pixels.size());
+    const double samples = mix.uniform + mix.visibility + mix.contribution;
+    const double lambda = samples * mix.boost() / n;
+    const Strategies strategies = Strategies::bidirectional(lambda, n * std::numbers::pi * r * r);
+    const double filmShare = n / film.pixelCount();
+
+    EyePass{scene_, options_.limits, strategies, options_.seed, film.passes()}.run(pixels, film, eyes_);
+    grid_.build(eyes_.all(), static_cast<float>(r));
+    const LightPass pass{scene_, options_.limits, strategies, eyes_, grid_, film};
+
+    if (!chainsReady_) {
+        std::vector<double> sizes;
+        plainLightPass(pass, film, options_.seed, film.passes(), first, pixels.size(), filmShare, &sizes);
+        for (const double size : sizes) normalisation_.addUniform(size);
+        seedChains(film.passes(), first, sizes);
+        return;
+    }
+    const size_t steps = static_cast<size_t>(std::max({mix.uniform, mix.visibility, mix.contribution})) / lanes_.size();
+    parallelFor(lanes_.size(), [&](size_t i) { runLane(lanes_[i], pass, mix, steps, film, filmShare); });
+    for (size_t i = 0; i < lanes_.size(); ++i) {
+        normalisation_.add(static_cast<int>(i), lanes_[i].sums);
+        lanes_[i].sums = {};
+    }
+}
+
+void McmcVcmIntegrator::seedChains(uint32_t pass, size_t first, const std::vector<double>& sizes) {
+    std::vector<double> visible(sizes.size());
+    for (size_t i = 0; i < sizes.size(); ++i) visible[i] = sizes[i] > 0 ? 1.0 : 0.0;
+    const DiscreteDistribution byVisibility(visible), bySize(sizes);
+    if (byVisibility.empty()) return;  // plain VCM goes on until a light subpath is seen
+
+    CounterRng rng(hashKey(options_.seed, StreamPurpose::Seeding, pass));
+    // A state is regenerated from the counter-based stream that made its value. Its coordinates are all those that
+    // the evaluation may have asked for; more are appended when they are needed.
+    const auto regenerate = [&](size_t index, PrimarySample& u) {
+        IndependentStream stream(lightSubpathKey(options_.seed, pass, first + index));
+        const int depth = options_.limits.maxDepth < 0 ? 32 : std::min(options_.limits.maxDepth, 32);
+        u.resize(SampleStream::blockOffset(depth + 1));
+        stream.seek(0);
+        for (float& coordinate : u) coordinate = stream.next1D();
+    };
+    for (Lane& lane : lanes_) {
+        float u = rng.next1D();
+        regenerate(byVisibility.sample(u), lane.visibility.state().u);
+        u = rng.next1D();
+        regenerate(bySize.sample(u), lane.contribution.state().u);
+        lane.lastVisible = lane.visibility.state().u;
+        ++lane.seeded;
+    }
+    chainsReady_ = true;
+}
+
+void McmcVcmIntegrator::revive(Lane& lane, const LightPass& pass) const {
+    const auto evaluate = [&](SampleStream& stream, Contribution& c) {
+        pass.evaluate(stream, c.splats);
+        c.size = c.splats.size();
+    };
+    lane.visibility.reevaluate(evaluate, lane.rng);
+    lane.contribution.reevaluate(evaluate, lane.rng);
+    const bool lost[2] = {!lane.visibility.state().value.visible(), !lane.contribution.state().value.visible()};
+    if (!lost[0] && !lost[1]) return;
+
+    // The scene's visibility has changed under the state: a visible uniform sample takes its place. The last one that the
+    // lane has seen is tried first, then fresh ones; while none is found the replica idles, which only loses samples.
+    constexpr int kFreshTries = 64;
+    State fresh;
+    fresh.u = lane.lastVisible;
+    for (int attempt = 0; attempt <= kFreshTries; ++attempt) {
+        if (attempt > 0) fresh.u.clear();
+        PrimarySampleStream stream(fresh.u, lane.rng);
+        evaluate(stream, fresh.value);
+        if (fresh.value.visible()) break;
+    }
+    if (!fresh.value.visible()) return;
+    ++lane.replaced;
+    if (lost[0]) lane.visibility.state() = fresh;
+    if (lost[1]) lane.contribution.state() = fresh;
+}
+
+void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t steps,
+                                Film& film, double filmShare) const {
+    const auto evaluate = [&](SampleStream& stream, Contribution& c) {
+        pass.evaluate(stream, c.splats);
+        c.size = c.splats.size();
+    };
+    revive(lane, pass);
+    for (size_t step = 0; step < steps; ++step) {
+        bool fresh = false;  // the visibility replica has received this step's uniform sample
+        if (useUniform_) {
+            State& u = lane.uniform;
+            u.u.clear();
+            u.weight = 0;
+            PrimarySampleStream stream(u.u, lane.rng);
+            evaluate(stream, u.value);
+            lane.sums.uniformVisible.add(u.value.visible() ? 1.0 : 0.0);
+            lane.sums.uniformSize.add(u.value.size);
+            if (u.value.visible()) {
+                lane.lastVisible = u.u;
+                u.weight = mix.weight(u.value);
+                if (useVisibility_) {
+                    // Exchange with the visibility replica is certain for a visible sample [HJ11].
+                    payOut(lane.visibility.state(), film, filmShare);
+                    std::swap(u, lane.visibility.state());
+                    ++lane.uniformSwaps;
+                    fresh = true;
+                } else {
+                    payOut(u, film, filmShare);
+                }
+            }
+        }
+        if (useVisibility_) {
+            if (!fresh) {
+                const double a = lane.visibility.propose(evaluate, lane.proposal, lane.rng);
+                if (lane.visibility.decide(a, lane.proposal, lane.rng)) payOut(lane.proposal, film, filmShare);
+            }
+            State& v = lane.visibility.state();
+            v.weight += mix.weight(v.value);
+            if (v.value.visible()) {
+                lane.sums.visibilitySize += v.value.size;
+                ++lane.sums.visibilityCount;
+            }
+        }
+        if (useContribution_) {
+            ContributionChain& chain = lane.contribution;
+            const double a = chain.propose(evaluate, lane.proposal, lane.rng);
+            lane.proposal.weight = a * mix.weight(lane.proposal.value);
+            chain.state().weight += (1.0 - a) * mix.weight(chain.state().value);
+            chain.decide(a, lane.proposal, lane.rng);
+            payOut(lane.proposal, film, filmShare);  // the one of the two that the chain has left
+            if (useVisibility_ && lane.visibility.state().value.visible()) {
+                ++lane.swapsTried;
+                lane.swapsMade += exchangeReplicas(lane.visibility, lane.contribution, lane.rng);
+            }
+        }
+    }
+    payOut(lane.visibility.state(), film, filmShare);
+    payOut(lane.contribution.state(), film, filmShare);
+}
+
+nlohmann::json McmcVcmIntegrator::statistics() const {
+    uint64_t tried[2] = {}, accepted[2] = {}, swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
+    double theta[2] = {};
+    for (const Lane& lane : lanes_) {
+        const MutationKernel* kernels[2] = {&lane.visibility.kernel(), &lane.contribution.kernel()};
+        for (int k = 0; k < 2; ++k) {
+            tried[k] += kernels[k]->tried();
+            accepted[k] += kernels[k]->accepted();
+            theta[k] += kernels[k]->theta() / double(lanes_.size());
+        }
+        swapsTried += lane.swapsTried;
+        swapsMade += lane.swapsMade;
+        uniformSwaps += lane.uniformSwaps;
+        replaced += lane.replaced;
+    }
+    const auto share = [](uint64_t a, uint64_t b) { return b ? double(a) / double(b) : 0.0; };
+    const auto estimate = [](const Estimate& e) {
+        nlohmann::json j{{"value", e.value}};
+        if (std::isfinite(e.standardError)) j["standard_error"] = e.standardError;
+        return j;
+    };
+    return {{"radius", radius_.radius()},
+            {"parts", partition_.parts()},
+            {"bytes_per_vertex", sizeof(Vertex)},
+            {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes()},
+            {"lanes", lanes_.size()},
+            {"replicas", options_.replicas},
+            {"kernel", options_.kelemenKernel ? "kelemen" : "adaptive"},
+            {"b_v", estimate(normalisation_.visibility())},
+            {"b_f", estimate(normalisation_.contribution())},
+            {"b_f_from_uniform", estimate(normalisation_.contributionFromUniform())},
+            {"b_f_from_visibility", estimate(normalisation_.contributionFromVisibility())},
+            {"visibility_chain",
+             {{"tried", tried[0]}, {"accepted", accepted[0]}, {"acceptance", share(accepted[0], tried[0])},
+              {"theta_mean", theta[0]}}},
+            {"contribution_chain",
+             {{"tried", tried[1]}, {"accepted", accepted[1]}, {"acceptance", share(accepted[1], tried[1])},
+              {"theta_mean", theta[1]}}},
+            {"exchange_visibility_contribution", {{"tried", swapsTried}, {"rate", share(swapsMade, swapsTried)}}},
+            {"exchange_uniform_visibility", uniformSwaps},
+            {"states_replaced", replaced}};
+}
+
+std::string McmcVcmIntegrator::progressNote() const {
+    if (!chainsReady_) return "no visible light subpath yet";
+    uint64_t tried[2] = {}, accepted[2] = {};
+    for (const Lane& lane : lanes_) {
+        tried[0] += lane.visibility.kernel().tried();
+        accepted[0] += lane.visibility.kernel().accepted();
+        tried[1] += lane.contribution.kernel().tried();
+        accepted[1] += lane.contribution.kernel().accepted();
+    }
+    const auto share = [&](int k) { return tried[k] ? double(accepted[k]) / double(tried[k]) : 0.0; };
+    return fmt::format("acceptance V {:.2f} F {:.2f}, b_V {:.2g}", share(0), share(1),
+                       normalisation_.visibility().value);
+}
+
+}  // namespace
+
+std::unique_ptr<Integrator> makeMcmcVcmIntegrator(const Scene& scene, const IntegratorOptions& options) {
+    return std::make_unique<McmcVcmIntegrator>(scene, options);
+}
+
+}  // namespace metrolux

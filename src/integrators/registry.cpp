@@ -1,0 +1,48 @@
+#include <functional>
+
+#include "base/error.h"
+#include "base/suggest.h"
+#include "integrators/integrator.h"
+#include "integrators/mcmc_vcm.h"
+#include "integrators/path.h"
+#include "integrators/vcm.h"
+
+namespace metrolux {
+
+namespace {
+
+struct Entry {
+    const char* name;
+    const char* description;
+    std::unique_ptr<Integrator> (*make)(const Scene&, const IntegratorOptions&);
+};
+
+constexpr Entry kIntegrators[] = {
+    {"mcmc_vcm", "VCM whose light subpaths come from Markov chains (default; robust on hard light)", makeMcmcVcmIntegrator},
+    {"vcm", "vertex connection and merging, independent light subpaths", makeVcmIntegrator},
+    {"bdpt", "bidirectional path tracing", makeBdptIntegrator},
+    {"path", "path tracing with next-event estimation", makePathIntegrator},
+    {"light", "light tracing: light subpaths connected to the camera", makeLightIntegrator},
+};
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> integratorList() {
+    std::vector<std::pair<std::string, std::string>> result;
+    for (const Entry& e : kIntegrators) result.emplace_back(e.name, e.description);
+    return result;
+}
+
+std::unique_ptr<Integrator> makeIntegrator(const std::string& name, const Scene& scene,
+                                           const IntegratorOptions& options) {
+    std::vector<std::string> names;
+    for (const Entry& e : kIntegrators) {
+        if (name == e.name) return e.make(scene, options);
+        names.emplace_back(e.name);
+    }
+    const std::string near = nearestName(name, names);
+    throw Error("unknown integrator '{}'{}; known: {}", name, near.empty() ? "" : fmt::format(", did you mean '{}'?", near),
+                fmt::join(names, ", "));
+}
+
+}  // namespace metrolux

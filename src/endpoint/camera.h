@@ -38,6 +38,10 @@ using CameraPtr = std::shared_ptr<Camera>;
 
 enum class FovAxis { X, Y, Diagonal, Smaller, Larger };
 
+/// Half the width, on the plane at distance 1, of a perspective image with the aspect ratio width / height
+/// that takes in `fov` degrees along the axis. Throws Error unless fov is in (0, 180).
+float perspectiveHalfWidth(float fov, FovAxis axis, float aspect);
+
 struct PerspectiveParameters {
     Transform toWorld;     ///< camera space looks along +z, +y up, +x to the left (Mitsuba)
     float fov = 39.3077f;  ///< degrees along the axis

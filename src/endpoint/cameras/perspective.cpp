@@ -6,19 +6,6 @@ namespace metrolux {
 
 namespace {
 
-/// Half the width of the image on the plane at distance 1.
-double tanHalfWidth(const PerspectiveParameters& p, double aspect) {
-    if (!(p.fov > 0) || !(p.fov < 180))
-        throw Error("perspective camera: the field of view must be in (0, 180) degrees, found {}", p.fov);
-    const double t = std::tan(0.5 * double(p.fov) * (std::numbers::pi / 180.0));
-    FovAxis axis = p.axis;
-    if (axis == FovAxis::Smaller) axis = aspect > 1 ? FovAxis::Y : FovAxis::X;
-    if (axis == FovAxis::Larger) axis = aspect > 1 ? FovAxis::X : FovAxis::Y;
-    if (axis == FovAxis::Y) return t * aspect;
-    if (axis == FovAxis::Diagonal) return t / std::sqrt(1.0 + 1.0 / (aspect * aspect));
-    return t;
-}
-
 /// Pinhole and thin lens are one model: the lens of a pinhole has radius zero.
 ///
 /// A raster position names a point of the plane in focus. At a fixed lens point, a unit of raster area is
@@ -36,15 +23,16 @@ class PerspectiveCamera final : public Camera {
           lensRadius_(p.apertureRadius),
           focus_(p.focusDistance),
           offset_(p.principalOffsetX, p.principalOffsetY) {
-        const double width = window.fullWidth, height = window.fullHeight;
-        if (!(width > 0) || !(height > 0) || window.pixelCount() <= 0)
-            throw Error("perspective camera: the film is empty ({} x {})", width, height);
+        if (window.fullWidth <= 0 || window.fullHeight <= 0 || window.pixelCount() <= 0)
+            throw Error("perspective camera: the film is empty ({} x {})", window.fullWidth,
+                        window.fullHeight);
+        const float width = static_cast<float>(window.fullWidth),
+                    height = static_cast<float>(window.fullHeight);
         if (!(nearClip_ >= 0)) throw Error("perspective camera: near clip {} is negative", nearClip_);
         if (!(lensRadius_ >= 0))
             throw Error("perspective camera: aperture radius {} is negative", lensRadius_);
         if (!(focus_ > 0)) throw Error("perspective camera: focus distance {} is not positive", focus_);
-        const double tanX = tanHalfWidth(p, width / height);
-        pixelSide_ = static_cast<float>(2 * tanX / width);
+        pixelSide_ = 2 * perspectiveHalfWidth(p.fov, p.axis, width / height) / width;
         lensPdf_ = lensRadius_ > 0 ? 1.0f / (kPi * sqr(lensRadius_)) : 1.0f;
     }
 
@@ -118,6 +106,17 @@ class PerspectiveCamera final : public Camera {
 };
 
 }  // namespace
+
+float perspectiveHalfWidth(float fov, FovAxis axis, float aspect) {
+    if (!(fov > 0 && fov < 180))
+        throw Error("perspective: the field of view must be in (0, 180) degrees, found {}", fov);
+    const double ratio = aspect, t = std::tan(0.5 * double(fov) * (std::numbers::pi / 180.0));
+    if (axis == FovAxis::Smaller) axis = ratio > 1 ? FovAxis::Y : FovAxis::X;
+    if (axis == FovAxis::Larger) axis = ratio > 1 ? FovAxis::X : FovAxis::Y;
+    if (axis == FovAxis::Y) return static_cast<float>(t * ratio);
+    if (axis == FovAxis::Diagonal) return static_cast<float>(t / std::sqrt(1.0 + 1.0 / (ratio * ratio)));
+    return static_cast<float>(t);
+}
 
 CameraPtr makePerspectiveCamera(const PerspectiveParameters& parameters, const FilmWindow& window) {
     return std::make_shared<PerspectiveCamera>(parameters, window);

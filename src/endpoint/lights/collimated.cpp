@@ -23,7 +23,9 @@ class CollimatedLight final : public Light {
         ray.weight = power_;
         return ray;
     }
-    std::optional<EndpointConnection> connect(const Vec3f&, const Vec2f&) const override { return std::nullopt; }
+    std::optional<EndpointConnection> connect(const Vec3f&, const Vec2f&) const override {
+        return std::nullopt;
+    }
 
   private:
     Vec3f position_, direction_;

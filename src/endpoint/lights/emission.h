@@ -8,8 +8,8 @@ namespace metrolux {
 /// Throws Error when a light's colour is negative or not finite.
 inline void requireEmission(const Rgb& value, const char* light) {
     if (!isFinite(value) || value.x < 0 || value.y < 0 || value.z < 0)
-        throw Error("{} light: the emission ({}, {}, {}) must be finite and not negative", light, value.x, value.y,
-                    value.z);
+        throw Error("{} light: the emission ({}, {}, {}) must be finite and not negative", light, value.x,
+                    value.y, value.z);
 }
 
 /// The axes of local space, made unit length: a light's transform may rotate, mirror and scale uniformly.

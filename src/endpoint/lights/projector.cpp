@@ -7,7 +7,8 @@ namespace metrolux {
 
 namespace {
 
-/// On the plane z = 1 the irradiance is pi * scale * texture, so the intensity toward a direction is that over cos^3.
+/// On the plane z = 1 the irradiance is pi * scale * texture, so the intensity toward a direction is that
+/// over cos^3.
 class Projector final : public Light {
   public:
     explicit Projector(const ProjectorParameters& p)
@@ -20,7 +21,8 @@ class Projector final : public Light {
         if (!texture_) throw Error("projector: the irradiance texture is missing");
         if (!(scale_ >= 0) || !std::isfinite(scale_))
             throw Error("projector: scale {} must be finite and not negative", scale_);
-        if (!(halfWidth_ > 0) || !std::isfinite(halfWidth_) || !(halfHeight_ > 0) || !std::isfinite(halfHeight_))
+        if (!(halfWidth_ > 0) || !std::isfinite(halfWidth_) || !(halfHeight_ > 0) ||
+            !std::isfinite(halfHeight_))
             throw Error("projector: the field of view must be between 0 and 180 degrees");
         table_ = luminanceTable(*texture_);
     }
@@ -52,7 +54,8 @@ class Projector final : public Light {
         c.wi = normalize(position_ - x);
         const Vec3f local = axes_.toLocal(-c.wi);
         if (!(local.z > 0)) return std::nullopt;
-        const Vec2f uv(0.5f - 0.5f * local.x / (local.z * halfWidth_), 0.5f - 0.5f * local.y / (local.z * halfHeight_));
+        const Vec2f uv(0.5f - 0.5f * local.x / (local.z * halfWidth_),
+                       0.5f - 0.5f * local.y / (local.z * halfHeight_));
         if (!(uv.x >= 0 && uv.x < 1 && uv.y >= 0 && uv.y < 1)) return std::nullopt;
         const Rgb value = intensity(local, uv);
         if (isBlack(value)) return std::nullopt;
@@ -79,6 +82,8 @@ class Projector final : public Light {
 
 }  // namespace
 
-LightPtr makeProjector(const ProjectorParameters& parameters) { return std::make_shared<Projector>(parameters); }
+LightPtr makeProjector(const ProjectorParameters& parameters) {
+    return std::make_shared<Projector>(parameters);
+}
 
 }  // namespace metrolux

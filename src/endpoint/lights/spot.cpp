@@ -21,8 +21,8 @@ class SpotLight final : public Light {
         if (!(p.cutoffAngle > 0 && p.cutoffAngle <= 180))
             throw Error("spot light: the cutoff angle must be in (0, 180] degrees, found {}", p.cutoffAngle);
         if (!(p.beamWidth >= 0 && p.beamWidth <= p.cutoffAngle))
-            throw Error("spot light: the beam width must be between 0 and the cutoff angle {}, found {}", p.cutoffAngle,
-                        p.beamWidth);
+            throw Error("spot light: the beam width must be between 0 and the cutoff angle {}, found {}",
+                        p.cutoffAngle, p.beamWidth);
         if (texture_ && !(p.cutoffAngle < 90))
             throw Error("spot light: a projected texture needs a cutoff angle below 90 degrees, found {}",
                         p.cutoffAngle);
@@ -85,6 +85,8 @@ class SpotLight final : public Light {
 
 }  // namespace
 
-LightPtr makeSpotLight(const SpotLightParameters& parameters) { return std::make_shared<SpotLight>(parameters); }
+LightPtr makeSpotLight(const SpotLightParameters& parameters) {
+    return std::make_shared<SpotLight>(parameters);
+}
 
 }  // namespace metrolux

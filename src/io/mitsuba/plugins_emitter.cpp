@@ -1,0 +1,159 @@
+#include "endpoint/lights.h"
+#include "image/image_io.h"
+#include "io/mitsuba/context.h"
+#include "io/mitsuba/field_of_view.h"
+
+namespace metrolux::mitsuba {
+
+namespace {
+
+const std::vector<std::string> kEmitterTypes = {"point",  "spot",      "directional", "constant",
+                                                "envmap", "projector", "collimated",  "area"};
+
+/// Re-throws what the library says about parameters with the place in the scene.
+template <class Make>
+LightPtr located(const Element& element, Make&& make) {
+    try {
+        return make();
+    } catch (const Error& problem) {
+        const std::string message = problem.what();
+        if (message.starts_with(element.location.file)) throw;
+        throw element.error(message);
+    }
+}
+
+/// An emission that may not vary in space.
+Rgb emissionColor(const Element& element, const std::string& name, LoadContext& context,
+                  const Rgb& fallback) {
+    const TexturePtr texture = emissionProperty(element, name, context, fallback);
+    if (!texture->isConstant()) throw element.error("\"" + name + "\" cannot vary over a texture here");
+    return texture->mean();
+}
+
+Transform similarity(const Element& element, const std::string& name) {
+    const Transform toWorld = element.transform(name);
+    if (!isSimilarity(toWorld))
+        throw element.error("\"" + name +
+                            "\" may rotate, translate, mirror and scale uniformly, found another map");
+    return toWorld;
+}
+
+LightPtr makePoint(const Element& element, LoadContext& context) {
+    PointLightParameters p;
+    if (element.has("position") && element.has("to_world"))
+        throw element.error("found \"position\" and \"to_world\", expected one of them");
+    p.position = element.has("position") ? element.vector("position", p.position)
+                                         : element.transform("to_world").point(Vec3f(0.0f));
+    p.intensity = emissionColor(element, "intensity", context, p.intensity);
+    return makePointLight(p);
+}
+
+LightPtr makeSpot(const Element& element, LoadContext& context) {
+    SpotLightParameters p;
+    p.toWorld = similarity(element, "to_world");
+    p.intensity = emissionColor(element, "intensity", context, p.intensity);
+    p.cutoffAngle = element.number("cutoff_angle", p.cutoffAngle);
+    p.beamWidth = element.number("beam_width", p.cutoffAngle * 0.75f);
+    if (element.has("texture")) p.texture = textureProperty(element, "texture", context, Rgb(1.0f));
+    return makeSpotLight(p);
+}
+
+LightPtr makeDirectional(const Element& element, LoadContext& context) {
+    DirectionalLightParameters p;
+    if (element.has("direction") && element.has("to_world"))
+        throw element.error("found \"direction\" and \"to_world\", expected one of them");
+    p.direction = element.has("direction") ? element.vector("direction", p.direction)
+                                           : element.transform("to_world").vector(p.direction);
+    p.irradiance = emissionColor(element, "irradiance", context, p.irradiance);
+    return makeDirectionalLight(p);
+}
+
+LightPtr makeConstant(const Element& element, LoadContext& context) {
+    return makeConstantLight({emissionColor(element, "radiance", context, Rgb(1.0f))});
+}
+
+LightPtr makeEnvmap(const Element& element, LoadContext& context) {
+    EnvironmentMapParameters p;
+    p.toWorld = similarity(element, "to_world");
+    p.scale = element.number("scale", 1);
+    element.ignore("mis_compensation");  // a choice of sampling density only
+    const ImageData image = readImage(context.resolve(element, element.requiredString("filename")), false);
+    p.width = image.width;
+    p.height = image.height;
+    p.pixels.reserve(size_t(image.width) * static_cast<size_t>(image.height));
+    size_t negative = 0;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const float* v = image.at(x, y);
+            Rgb c = image.channels >= 3 ? Rgb(v[0], v[1], v[2]) : Rgb(v[0]);
+            if (!isFinite(c))
+                throw element.error(fmt::format("the environment map's pixel ({}, {}) is not finite", x, y));
+            if (c.x < 0 || c.y < 0 || c.z < 0) {
+                c = {std::max(c.x, 0.0f), std::max(c.y, 0.0f), std::max(c.z, 0.0f)};
+                ++negative;
+            }
+            p.pixels.push_back(c);
+        }
+    if (negative)
+        context.warn(element, fmt::format("{} negative pixels of the environment map become zero", negative));
+    return makeEnvironmentMap(std::move(p));
+}
+
+LightPtr makeProjectorLight(const Element& element, LoadContext& context) {
+    ProjectorParameters p;
+    p.toWorld = similarity(element, "to_world");
+    p.irradiance = emissionProperty(element, "irradiance", context, Rgb(1.0f));
+    p.scale = element.number("scale", 1);
+    const Vec2i size = p.irradiance->resolution();
+    p.aspect = static_cast<float>(std::max(size.x, 1)) / static_cast<float>(std::max(size.y, 1));
+    p.tanHalfFovX = readFieldOfView(element).tanHalfWidth(p.aspect);
+    return makeProjector(p);
+}
+
+LightPtr makeCollimated(const Element& element, LoadContext& context) {
+    return makeCollimatedLight(
+        {element.transform("to_world"), emissionColor(element, "power", context, Rgb(1.0f))});
+}
+
+void readSamplingWeight(const Element& element, LoadContext& context) {
+    if (element.number("sampling_weight", 1) != 1)
+        context.warn(element, "\"sampling_weight\" has no effect: lights are chosen by their power");
+}
+
+}  // namespace
+
+LightPtr makeLight(const Element& element, LoadContext& context) {
+    LightPtr (*make)(const Element&, LoadContext&) = nullptr;
+    if (element.type == "point") make = makePoint;
+    if (element.type == "spot") make = makeSpot;
+    if (element.type == "directional") make = makeDirectional;
+    if (element.type == "constant") make = makeConstant;
+    if (element.type == "envmap") make = makeEnvmap;
+    if (element.type == "projector") make = makeProjectorLight;
+    if (element.type == "collimated") make = makeCollimated;
+    if (element.type == "area") throw element.error("an area light has to be nested in the shape that emits");
+    if (!make) {
+        const std::string nearest = nearestName(element.type, kEmitterTypes);
+        const std::string message = "unknown emitter type" +
+                                    (nearest.empty() ? std::string() : "; did you mean \"" + nearest + "\"?");
+        if (!context.lenient) throw element.error(message);
+        context.warn(element, message + " (\"" + element.type + "\" is left out)");
+        return nullptr;
+    }
+    readSamplingWeight(element, context);
+    LightPtr light = located(element, [&] { return make(element, context); });
+    element.checkAllUsed(context.lenient, context.warnings);
+    return light;
+}
+
+LightPtr makeAreaLight(const Element& element, const Shape& shape, LoadContext& context) {
+    if (element.type != "area") throw element.error("a shape's emitter has to be of type \"area\"");
+    readSamplingWeight(element, context);
+    LightPtr light = located(element, [&] {
+        return metrolux::makeAreaLight({&shape, emissionProperty(element, "radiance", context, Rgb(1.0f))});
+    });
+    element.checkAllUsed(context.lenient, context.warnings);
+    return light;
+}
+
+}  // namespace metrolux::mitsuba

@@ -1,0 +1,232 @@
+#include "io/mitsuba/context.h"
+#include "io/mitsuba/field_of_view.h"
+
+namespace metrolux::mitsuba {
+
+namespace {
+
+constexpr int64_t kMaxPixels = int64_t(1) << 28;
+
+std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
+    const std::string nearest = nearestName(name, known);
+    return nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
+}
+
+/// The unnamed child with a tag; null if there is none, Error if there are several.
+ElementPtr onlyChild(const Element& element, const std::string& tag) {
+    const std::vector<ElementPtr> children = element.childrenOf(tag);
+    if (children.size() > 1) throw children[1]->error("found a second <" + tag + ">, expected at most one");
+    return children.empty() ? nullptr : children[0];
+}
+
+void readFilter(const Element& element, LoadContext& context, SceneParts& parts) {
+    using Kind = ReconstructionFilter::Kind;
+    const std::vector<std::pair<std::string, Kind>> kinds = {{"box", Kind::Box},
+                                                             {"tent", Kind::Tent},
+                                                             {"gaussian", Kind::Gaussian},
+                                                             {"mitchell", Kind::Mitchell},
+                                                             {"catmullrom", Kind::CatmullRom},
+                                                             {"lanczos", Kind::Lanczos}};
+    bool known = false;
+    std::vector<std::string> names;
+    for (const auto& [name, kind] : kinds) {
+        names.push_back(name);
+        if (element.type == name) {
+            parts.filterKind = kind;
+            known = true;
+        }
+    }
+    if (!known) {
+        const std::string message = "unknown reconstruction filter" + suggestion(element.type, names);
+        if (!context.lenient) throw element.error(message);
+        context.warn(element, message + " (gaussian is used)");
+        return;
+    }
+    ReconstructionFilter::Parameters& p = parts.filter;
+    if (parts.filterKind == Kind::Box || parts.filterKind == Kind::Tent) {
+        p.radius = element.number("radius", p.radius);
+        if (element.has("radius") && !(p.radius > 0)) throw element.error("\"radius\" must be positive");
+    } else if (parts.filterKind == Kind::Gaussian) {
+        p.stddev = element.number("stddev", p.stddev);
+        if (!(p.stddev > 0)) throw element.error("\"stddev\" must be positive");
+    } else if (parts.filterKind == Kind::Mitchell) {
+        // Mitsuba 3 calls the parameters A and B, 0.x (and the paper) B and C.
+        const bool paper = element.has("C") || (element.legacy && !element.has("A"));
+        p.b = element.number(paper ? "B" : "A", p.b);
+        p.c = element.number(paper ? "C" : "B", p.c);
+    } else if (parts.filterKind == Kind::Lanczos) {
+        const int64_t lobes = element.integer("lobes", p.lobes);
+        if (lobes < 1 || lobes > 16)
+            throw element.error(fmt::format("found {} lobes, expected 1 to 16", lobes));
+        p.lobes = static_cast<int>(lobes);
+    }
+    element.checkAllUsed(context.lenient, context.warnings);
+}
+
+/// Properties that choose the output file. Metrolux writes linear RGB in 32-bit floating point.
+void readFormats(const Element& element, LoadContext& context) {
+    struct Format {
+        const char* property;
+        const char* fallback;
+        std::vector<std::string> known;
+        std::vector<std::string> fulfilled;  ///< of which nothing is lost
+    };
+    const std::vector<Format> formats = {
+        {"pixel_format",
+         "rgb",
+         {"luminance", "luminance_alpha", "rgb", "rgba", "xyz", "xyza", "spectrum", "spectrum_alpha"},
+         {"rgb"}},
+        {"component_format", "float32", {"float16", "float32", "uint32"}, {"float16", "float32"}},
+        {"file_format", "openexr", {"openexr", "exr", "rgbe", "pfm"}, {"openexr", "exr"}}};
+    for (const Format& format : formats) {
+        std::string value = element.string(format.property, format.fallback);
+        for (char& c : value) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        if (std::find(format.known.begin(), format.known.end(), value) == format.known.end())
+            throw element.error(fmt::format("found {} \"{}\", expected one of {}{}", format.property, value,
+                                            fmt::join(format.known, ", "), suggestion(value, format.known)));
+        if (std::find(format.fulfilled.begin(), format.fulfilled.end(), value) == format.fulfilled.end())
+            context.warn(element, fmt::format("{} \"{}\" has no effect: images are written as RGB",
+                                              format.property, value));
+    }
+    if (element.boolean("sample_border", false))
+        context.warn(element,
+                     "\"sample_border\" has no effect: the filter is exact at the border of the image");
+    element.ignore("compensate");  // sums are always exact enough
+    element.ignore("banner");
+}
+
+int readSize(const Element& element, const std::string& name, int fallback) {
+    const int64_t value = element.integer(name, fallback);
+    if (value < 1 || value > kMaxPixels)
+        throw element.error(fmt::format("found \"{}\" {}, expected a number of pixels from 1 to {}", name,
+                                        value, kMaxPixels));
+    return static_cast<int>(value);
+}
+
+FilmWindow fullWindow(int width, int height) { return {width, height, 0, 0, width, height}; }
+
+/// The window after a change of resolution: its edges move in proportion.
+FilmWindow rescaled(const FilmWindow& w, int width, int height) {
+    const auto scale = [](int value, int from, int to) {
+        return static_cast<int>(std::lround(double(value) * to / from));
+    };
+    FilmWindow result = fullWindow(width, height);
+    result.x = std::min(scale(w.x, w.fullWidth, width), width - 1);
+    result.y = std::min(scale(w.y, w.fullHeight, height), height - 1);
+    result.width = std::max(1, scale(w.x + w.width, w.fullWidth, width) - result.x);
+    result.height = std::max(1, scale(w.y + w.height, w.fullHeight, height) - result.y);
+    return result;
+}
+
+void checkCrop(const Element& element, const FilmWindow& w) {
+    if (w.x < 0 || w.y < 0 || w.width < 1 || w.height < 1 || int64_t(w.x) + w.width > w.fullWidth ||
+        int64_t(w.y) + w.height > w.fullHeight)
+        throw element.error(
+            fmt::format("the crop window {} x {} at ({}, {}) is not within the image of {} x {}", w.width,
+                        w.height, w.x, w.y, w.fullWidth, w.fullHeight));
+}
+
+FilmWindow overridden(const Element& element, FilmWindow w, const FilmOverride& o) {
+    if (o.width > 0 || o.height > 0)
+        w = rescaled(w, o.width > 0 ? o.width : w.fullWidth, o.height > 0 ? o.height : w.fullHeight);
+    if (o.hasCrop) {
+        w.x = o.cropX;
+        w.y = o.cropY;
+        w.width = o.cropWidth;
+        w.height = o.cropHeight;
+    }
+    checkCrop(element, w);
+    if (int64_t(w.fullWidth) * w.fullHeight > kMaxPixels)
+        throw element.error(
+            fmt::format("the image of {} x {} pixels is too large, at most {} pixels are possible",
+                        w.fullWidth, w.fullHeight, kMaxPixels));
+    return w;
+}
+
+FilmWindow readFilm(const Element& element, LoadContext& context, SceneParts& parts) {
+    const std::vector<std::string> types = {"hdrfilm", "specfilm", "ldrfilm"};
+    if (element.type != "hdrfilm") {
+        const std::string message =
+            "unknown film type" + suggestion(element.type, types) + " (supported: hdrfilm)";
+        if (!context.lenient) throw element.error(message);
+        context.warn(element, message);
+    }
+    FilmWindow w = fullWindow(readSize(element, "width", 768), readSize(element, "height", 576));
+    w.width = readSize(element, "crop_width", w.fullWidth);
+    w.height = readSize(element, "crop_height", w.fullHeight);
+    const int64_t x = element.integer("crop_offset_x", 0), y = element.integer("crop_offset_y", 0);
+    w.x = static_cast<int>(std::clamp<int64_t>(x, -1, kMaxPixels));
+    w.y = static_cast<int>(std::clamp<int64_t>(y, -1, kMaxPixels));
+    checkCrop(element, w);
+    readFormats(element, context);
+    if (const ElementPtr filter = onlyChild(element, "rfilter")) readFilter(*filter, context, parts);
+    element.checkAllUsed(context.lenient, context.warnings);
+    return overridden(element, w, context.film);
+}
+
+void readClips(const Element& element, LoadContext& context, float& nearClip) {
+    nearClip = element.number("near_clip", nearClip);
+    const float farClip = element.number("far_clip", 1e4f);
+    if (!(nearClip > 0))
+        throw element.error(fmt::format("found near_clip {}, expected a positive distance", nearClip));
+    if (!(nearClip < farClip)) throw element.error("found a near_clip beyond far_clip");
+    if (element.has("far_clip"))
+        context.warn(element, "\"far_clip\" has no effect: nothing is too far to be seen");
+}
+
+CameraPtr makePerspective(const Element& element, LoadContext& context, const FilmWindow& window) {
+    PerspectiveParameters p;
+    p.toWorld = element.transform("to_world");
+    if (!isSimilarity(p.toWorld)) throw element.error("\"to_world\" of a camera may not scale or shear");
+    if (p.toWorld.hasScale()) context.warn(element, "the scale in \"to_world\" of the camera has no effect");
+    const FieldOfView fov = readFieldOfView(element);
+    p.fov = fov.degrees;
+    p.axis = fov.axis;
+    readClips(element, context, p.nearClip);
+    p.principalOffsetX = element.number("principal_point_offset_x", 0);
+    p.principalOffsetY = element.number("principal_point_offset_y", 0);
+    p.focusDistance = element.number("focus_distance", element.number("far_clip", 1e4f));
+    if (element.type == "thinlens") {
+        p.apertureRadius = element.number("aperture_radius", 0);
+        if (!element.has("aperture_radius")) throw element.error("\"aperture_radius\" is missing");
+    }
+    return makePerspectiveCamera(p, window);
+}
+
+CameraPtr makeOrthographic(const Element& element, LoadContext& context, const FilmWindow& window) {
+    OrthographicParameters p;
+    p.toWorld = element.transform("to_world");
+    readClips(element, context, p.nearClip);
+    element.ignore("focus_distance");
+    return makeOrthographicCamera(p, window);
+}
+
+}  // namespace
+
+CameraPtr makeCamera(const Element& element, LoadContext& context, SceneParts& parts) {
+    const std::vector<std::string> types = {"perspective", "thinlens", "orthographic"};
+    if (std::find(types.begin(), types.end(), element.type) == types.end())
+        throw element.error("unknown sensor type" + suggestion(element.type, types) +
+                            " (supported: perspective, thinlens, orthographic)");
+
+    const ElementPtr film = onlyChild(element, "film");
+    const FilmWindow window = film ? readFilm(*film, context, parts) : overridden(element, {}, context.film);
+    element.childrenOf(
+        "sampler");  // samples are drawn by the integrator, their number is a choice of the command line
+    if (element.number("shutter_open", 0) != 0 || element.number("shutter_close", 0) != 0)
+        context.warn(element, "the shutter has no effect: scenes do not move");
+
+    CameraPtr camera;
+    try {
+        camera = element.type == "orthographic" ? makeOrthographic(element, context, window)
+                                                : makePerspective(element, context, window);
+    } catch (const Error& problem) {
+        const std::string message = problem.what();
+        if (message.starts_with(element.location.file)) throw;
+        throw element.error(message);
+    }
+    element.checkAllUsed(context.lenient, context.warnings);
+    return camera;
+}
+
+}  // namespace metrolux::mitsuba

@@ -1,0 +1,312 @@
+/// BSDFs: Mitsuba 3's parameters and defaults, and what 0.6 scenes need in addition.
+
+#include "io/mitsuba/context.h"
+#include "scattering/blend.h"
+#include "scattering/bump_map.h"
+#include "scattering/conductor.h"
+#include "scattering/dielectric.h"
+#include "scattering/diffuse.h"
+#include "scattering/ior_table.h"
+#include "scattering/mask.h"
+#include "scattering/normal_map.h"
+#include "scattering/null_bsdf.h"
+#include "scattering/phong.h"
+#include "scattering/plastic.h"
+#include "scattering/rough_conductor.h"
+#include "scattering/rough_dielectric.h"
+#include "scattering/rough_plastic.h"
+#include "scattering/textures/constant.h"
+#include "scattering/thin_dielectric.h"
+#include "scattering/two_sided.h"
+#include "scattering/ward.h"
+
+#include <functional>
+
+namespace metrolux::mitsuba {
+namespace {
+
+std::string joined(const std::vector<std::string>& names) {
+    std::string result;
+    for (const std::string& name : names) result += (result.empty() ? "" : ", ") + name;
+    return result;
+}
+
+/// What an element of the scene is made from.
+struct Source {
+    const Element& element;
+    LoadContext& context;
+
+    TexturePtr colour(const std::string& name, float fallback) const {
+        return textureProperty(element, name, context, Rgb(fallback));
+    }
+    TexturePtr scalar(const std::string& name, float fallback) const {
+        return scalarTextureProperty(element, name, context, fallback);
+    }
+
+    /// An index of refraction as a number or a name.
+    float ior(const std::string& name, const std::string& fallback) const {
+        const Property* property = element.find(name);
+        if (property && !std::holds_alternative<std::string>(property->value)) {
+            const float value = element.number(name, 0);
+            if (!(value > 0))
+                throw element.error(*property,
+                                    fmt::format("found {}, expected a positive index of refraction", value));
+            return value;
+        }
+        const std::string material = element.string(name, fallback);
+        if (const auto value = namedIor(material)) return *value;
+        throw element.error(
+            *property, fmt::format("found the material \"{}\", expected a number or one of: {}", material,
+                                   joined(iorNames())));
+    }
+    float relativeIor(const std::string& interior) const {
+        return ior("int_ior", interior) / ior("ext_ior", "air");
+    }
+
+    /// The nested BSDFs, in order.
+    std::vector<BsdfPtr> nested(size_t least, size_t most) const {
+        const std::vector<ElementPtr> children = element.childrenOf("bsdf");
+        if (children.size() < least || children.size() > most)
+            throw element.error(
+                fmt::format("found {} nested <bsdf> elements, expected {}", children.size(),
+                            least == most ? std::to_string(least) : fmt::format("{} to {}", least, most)));
+        std::vector<BsdfPtr> result;
+        for (const ElementPtr& child : children) result.push_back(makeBsdf(*child, context));
+        return result;
+    }
+
+    /// A texture under this name, or the only one without a name.
+    TexturePtr nestedTexture(const std::string& name) const {
+        if (const ElementPtr child = element.child(name)) return makeTexture(*child, context);
+        if (!name.empty() && element.has(name)) return textureProperty(element, name, context, Rgb(0.0f));
+        const std::vector<ElementPtr> children = element.childrenOf("texture");
+        if (children.size() != 1)
+            throw element.error(
+                fmt::format("found {} nested <texture> elements, expected one", children.size()));
+        return makeTexture(*children[0], context);
+    }
+
+    /// Runs a constructor whose errors do not know where they come from.
+    template <class Make, class Parameters>
+    BsdfPtr make(Make&& maker, const Parameters& parameters) const {
+        try {
+            return maker(parameters);
+        } catch (const Error& problem) {
+            throw element.error(problem.what());
+        }
+    }
+};
+
+/// eta and k of a metal: given, or of a named material.
+template <class Parameters>
+void readConductor(const Source& s, Parameters& p) {
+    const Element& e = s.element;
+    const bool given = e.has("eta") || e.has("k");
+    if (given) {
+        if (e.has("material"))
+            throw e.error("found \"material\" as well as \"eta\" or \"k\", expected one of the two");
+        const auto read = [&](const std::string& name, float fallback) {
+            if (const ElementPtr child = e.child(name)) return makeTexture(*child, s.context);
+            return makeConstantTexture(unboundedColor(e, name, s.context, Rgb(fallback)));
+        };
+        p.eta = read("eta", 0);
+        p.k = read("k", 1);
+    } else {
+        const std::string name = e.string("material", e.legacy ? "Cu" : "none");
+        const auto material = namedConductor(name);
+        if (!material)
+            throw e.error(fmt::format("found the material \"{}\", expected one of: {}", name,
+                                      joined(conductorNames())));
+        p.eta = makeConstantTexture(material->eta);
+        p.k = makeConstantTexture(material->k);
+    }
+    if (e.has("ext_eta")) {  // 0.6: the index around the metal
+        if (!p.eta->isConstant() || !p.k->isConstant())
+            throw e.error("\"ext_eta\" needs constant \"eta\" and \"k\"");
+        const float exterior = s.ior("ext_eta", "air");
+        p.eta = makeConstantTexture(p.eta->mean() * (1 / exterior));
+        p.k = makeConstantTexture(p.k->mean() * (1 / exterior));
+    }
+    p.specularReflectance = s.colour("specular_reflectance", 1);
+}
+
+MicrofacetType readDistribution(const Source& s) {
+    s.element.ignore("sample_visible");  // always
+    const std::string name = s.element.string("distribution", "beckmann");
+    if (name == "beckmann") return MicrofacetType::Beckmann;
+    if (name == "ggx") return MicrofacetType::Ggx;
+    throw s.element.error(fmt::format("found the distribution \"{}\", expected beckmann or ggx", name));
+}
+
+/// alpha, or alpha_u and alpha_v.
+template <class Parameters>
+void readRoughness(const Source& s, Parameters& p) {
+    const Element& e = s.element;
+    const bool u = e.has("alpha_u"), v = e.has("alpha_v");
+    if (u != v) throw e.error("found only one of \"alpha_u\" and \"alpha_v\", expected both");
+    if (u && e.has("alpha")) throw e.error("found \"alpha\" as well as \"alpha_u\" and \"alpha_v\"");
+    p.alphaU = s.scalar(u ? "alpha_u" : "alpha", 0.1f);
+    p.alphaV = u ? s.scalar("alpha_v", 0.1f) : p.alphaU;
+}
+
+BsdfPtr diffuse(const Source& s) { return makeDiffuse({s.colour("reflectance", 0.5f)}); }
+
+BsdfPtr dielectric(const Source& s) {
+    return s.make(makeDielectric,
+                  DielectricParameters{s.relativeIor("bk7"), s.colour("specular_reflectance", 1),
+                                       s.colour("specular_transmittance", 1)});
+}
+
+BsdfPtr thinDielectric(const Source& s) {
+    return s.make(makeThinDielectric,
+                  ThinDielectricParameters{s.relativeIor("bk7"), s.colour("specular_reflectance", 1),
+                                           s.colour("specular_transmittance", 1)});
+}
+
+BsdfPtr roughDielectric(const Source& s) {
+    RoughDielectricParameters p;
+    p.eta = s.relativeIor("bk7");
+    p.specularReflectance = s.colour("specular_reflectance", 1);
+    p.specularTransmittance = s.colour("specular_transmittance", 1);
+    p.distribution = readDistribution(s);
+    readRoughness(s, p);
+    return s.make(makeRoughDielectric, p);
+}
+
+BsdfPtr conductor(const Source& s) {
+    ConductorParameters p;
+    readConductor(s, p);
+    return s.make(makeConductor, p);
+}
+
+BsdfPtr roughConductor(const Source& s) {
+    RoughConductorParameters p;
+    readConductor(s, p);
+    p.distribution = readDistribution(s);
+    readRoughness(s, p);
+    return s.make(makeRoughConductor, p);
+}
+
+BsdfPtr plastic(const Source& s) {
+    PlasticParameters p;
+    p.eta = s.relativeIor("polypropylene");
+    p.diffuseReflectance = s.colour("diffuse_reflectance", 0.5f);
+    p.specularReflectance = s.colour("specular_reflectance", 1);
+    p.nonlinear = s.element.boolean("nonlinear", false);
+    return s.make(makePlastic, p);
+}
+
+BsdfPtr roughPlastic(const Source& s) {
+    RoughPlasticParameters p;
+    p.eta = s.relativeIor("polypropylene");
+    p.diffuseReflectance = s.colour("diffuse_reflectance", 0.5f);
+    p.specularReflectance = s.colour("specular_reflectance", 1);
+    p.nonlinear = s.element.boolean("nonlinear", false);
+    p.distribution = readDistribution(s);
+    p.alpha = s.element.number("alpha", 0.1f);
+    return s.make(makeRoughPlastic, p);
+}
+
+BsdfPtr phong(const Source& s) {
+    PhongParameters p;
+    p.diffuseReflectance = s.colour("diffuse_reflectance", 0.5f);
+    p.specularReflectance = s.colour("specular_reflectance", 0.2f);
+    p.exponent = s.scalar("exponent", 30);
+    return s.make(makePhong, p);
+}
+
+BsdfPtr ward(const Source& s) {
+    WardParameters p;
+    const std::string variant = s.element.string("variant", "balanced");
+    if (variant == "ward") {
+        p.variant = WardVariant::Ward;
+    } else if (variant == "ward-duer") {
+        p.variant = WardVariant::WardDuer;
+    } else if (variant != "balanced") {
+        throw s.element.error(
+            fmt::format("found the variant \"{}\", expected ward, ward-duer or balanced", variant));
+    }
+    p.diffuseReflectance = s.colour("diffuse_reflectance", 0.5f);
+    p.specularReflectance = s.colour("specular_reflectance", 0.2f);
+    readRoughness(s, p);
+    return s.make(makeWard, p);
+}
+
+BsdfPtr twoSided(const Source& s) {
+    const std::vector<BsdfPtr> nested = s.nested(1, 2);
+    return s.make(makeTwoSided, TwoSidedParameters{nested.front(), nested.back()});
+}
+
+BsdfPtr mask(const Source& s) { return makeMask({s.scalar("opacity", 0.5f), s.nested(1, 1)[0]}); }
+
+BsdfPtr blend(const Source& s) {
+    const std::vector<BsdfPtr> nested = s.nested(2, 2);
+    return makeBlend({s.scalar("weight", 0.5f), nested[0], nested[1]});
+}
+
+PerturbationOptions perturbation(const Source& s) {
+    return {s.element.boolean("flip_invalid_normals", true),
+            s.element.boolean("use_shadowing_function", true)};
+}
+
+BsdfPtr bumpMap(const Source& s) {
+    return makeBumpMap(
+        {s.nestedTexture(""), s.element.number("scale", 1), s.nested(1, 1)[0], perturbation(s)});
+}
+
+BsdfPtr normalMap(const Source& s) {
+    return makeNormalMap({s.nestedTexture("normalmap"), s.nested(1, 1)[0], perturbation(s)});
+}
+
+BsdfPtr nothing(const Source&) { return makeNullBsdf(); }
+
+using Factory = BsdfPtr (*)(const Source&);
+const std::vector<std::pair<std::string, Factory>> kFactories = {
+    {"diffuse", diffuse},
+    {"dielectric", dielectric},
+    {"thindielectric", thinDielectric},
+    {"roughdielectric", roughDielectric},
+    {"conductor", conductor},
+    {"roughconductor", roughConductor},
+    {"plastic", plastic},
+    {"roughplastic", roughPlastic},
+    {"phong", phong},
+    {"ward", ward},
+    {"twosided", twoSided},
+    {"mask", mask},
+    {"blendbsdf", blend},
+    {"bumpmap", bumpMap},
+    {"normalmap", normalMap},
+    {"null", nothing},
+};
+
+BsdfPtr unknown(const Element& element, LoadContext& context) {
+    std::vector<std::string> names;
+    for (const auto& [name, factory] : kFactories) names.push_back(name);
+    const std::string nearest = nearestName(element.type, names);
+    const std::string message = nearest.empty()
+                                    ? fmt::format("unknown BSDF type, expected one of: {}", joined(names))
+                                    : fmt::format("unknown BSDF type; did you mean \"{}\"?", nearest);
+    if (!context.lenient) throw element.error(message);
+    context.warn(element, message + " (a grey diffuse surface stands in)");
+    return makeDiffuse({makeConstantTexture(Rgb(0.5f))});
+}
+
+}  // namespace
+
+BsdfPtr makeBsdf(const Element& element, LoadContext& context) {
+    if (const auto found = context.built.find(&element); found != context.built.end())
+        return std::static_pointer_cast<const Bsdf>(found->second);
+    BsdfPtr result;
+    for (const auto& [name, factory] : kFactories)
+        if (element.type == name) result = factory({element, context});
+    if (result) {
+        element.checkAllUsed(context.lenient, context.warnings);
+    } else {
+        result = unknown(element, context);
+    }
+    context.built[&element] = result;
+    return result;
+}
+
+}  // namespace metrolux::mitsuba

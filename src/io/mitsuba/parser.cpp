@@ -48,7 +48,7 @@ class Parser {
         readFile(file, *root_, "", 0);
         parameters_.checkDefinesUsed(file.string());
         references_.resolve();
-        return {root_, references_.referenced(), searchPaths(), std::move(warnings_)};
+        return {root_, references_.referenced(), searchPaths(), std::move(files_), std::move(warnings_)};
     }
 
   private:
@@ -67,6 +67,7 @@ class Parser {
         if (!isScene && (openFiles_.empty() || !contains(kObjectTags, tag)))
             throw nodeError(source, node, "unexpected root element, expected <scene version=\"...\">");
         const File file{source, isLegacy(source, node)};
+        files_.insert(path.string());
         openFiles_.push_back(fs::weakly_canonical(path));
         if (!isScene) {
             object(file, node, parent, name, depth + 1);
@@ -316,6 +317,7 @@ class Parser {
     std::vector<fs::path> paths_;      // <path>s
     std::vector<fs::path> openFiles_;  // includes that are being read, from the scene on
     fs::path includeFile_;
+    std::set<std::string> files_;
     int includes_ = 0;
     int nextOrder_ = 0;
     bool lenient_;

@@ -16,6 +16,7 @@ struct ParsedScene {
     ElementPtr root;                      ///< <scene>; its objects are children, in order of appearance
     std::set<const Element*> referenced;  ///< elements that some <ref> uses
     std::vector<std::filesystem::path> searchPaths;  ///< in order: <path>s, the last first; then the scene's folder
+    std::set<std::string> files;                     ///< the scene and its includes, as locations name them
     std::vector<std::string> warnings;
 };
 

@@ -1,0 +1,122 @@
+#include "io/scene_loader.h"
+
+#include "io/mitsuba/context.h"
+#include "io/mitsuba/parser.h"
+
+namespace metrolux {
+namespace {
+
+using namespace mitsuba;
+
+class Loader {
+  public:
+    Loader(ParsedScene parsed, const LoadOptions& options) : scene_(std::move(parsed)) {
+        context_.searchPaths = scene_.searchPaths;
+        context_.lenient = options.lenient;
+        context_.warnings = std::move(scene_.warnings);
+        context_.film = {options.width, options.height, options.hasCrop,     options.cropX,
+                         options.cropY, options.cropWidth, options.cropHeight};
+    }
+
+    SceneParts run(const std::string& source) {
+        integrator();
+        sensor();
+        emitters();
+        for (const ElementPtr& shape : scene_.root->childrenOf("shape"))
+            build(*shape, [&] { addShape(*shape, context_, parts_); });
+        checkLights();
+        unused();
+        parts_.source = source;
+        parts_.warnings = std::move(context_.warnings);
+        return std::move(parts_);
+    }
+
+  private:
+    /// Runs a factory; whatever it throws becomes an Error that says where. Elements name their own place, which may
+    /// be another than this one's, when they are nested or referenced.
+    template <class Action>
+    void build(const Element& element, const Action& action) const {
+        try {
+            action();
+        } catch (const Error& problem) {
+            const std::string message = problem.what();
+            for (const std::string& file : scene_.files)
+                if (message.starts_with(file + ":")) throw;
+            throw element.error(message);
+        } catch (const std::bad_alloc&) {
+            throw element.error("not enough memory");
+        } catch (const std::exception& problem) {
+            throw element.error(problem.what());
+        }
+    }
+
+    void integrator() {
+        const auto integrators = scene_.root->childrenOf("integrator");
+        if (integrators.size() > 1)
+            throw integrators[1]->error(fmt::format("found a second integrator, expected one (first at {})",
+                                                    integrators[0]->location.str()));
+        for (const ElementPtr& element : integrators)
+            build(*element, [&] { readIntegrator(*element, context_, parts_); });
+    }
+
+    void sensor() {
+        const auto sensors = scene_.root->childrenOf("sensor");
+        if (sensors.empty()) throw scene_.root->error("found no <sensor>, expected one");
+        if (sensors.size() > 1)
+            context_.warn(*sensors[1], fmt::format("{} sensors, the first is used", sensors.size()));
+        build(*sensors[0], [&] { parts_.camera = makeCamera(*sensors[0], context_, parts_); });
+    }
+
+    void emitters() {
+        for (const ElementPtr& element : scene_.root->childrenOf("emitter")) {
+            if (element->type == "area") {  // belongs to the shapes that refer to it
+                if (!scene_.referenced.contains(element.get()))
+                    context_.warn(*element, "<emitter type=\"area\"> that no shape refers to has no effect");
+                continue;
+            }
+            build(*element, [&] {
+                LightPtr light = makeLight(*element, context_);
+                if (!light) return;
+                if (light->isEnvironment()) {
+                    if (environment_)
+                        throw element->error(fmt::format("found a second environment emitter, expected one (first at {})",
+                                                         environment_->location.str()));
+                    environment_ = element;
+                }
+                parts_.lights.push_back(std::move(light));
+            });
+        }
+    }
+
+    void checkLights() {
+        if (parts_.lights.empty()) context_.warn(*scene_.root, "the scene has no emitter: the image will be black");
+    }
+
+    /// What nothing refers to is built all the same, so that its errors show; what cannot stand alone must be referred to.
+    void unused() {
+        for (const ElementPtr& element : scene_.root->childrenOf("bsdf"))
+            if (!scene_.referenced.contains(element.get()))
+                build(*element, [&] { makeBsdf(*element, context_); });
+        for (const ElementPtr& element : scene_.root->childrenOf("texture"))
+            if (!scene_.referenced.contains(element.get()))
+                build(*element, [&] { makeTexture(*element, context_); });
+        for (const char* tag : {"film", "rfilter", "sampler"})
+            for (const ElementPtr& element : scene_.root->childrenOf(tag))
+                if (!scene_.referenced.contains(element.get()))
+                    throw element->error("found directly inside <scene>, expected inside of a <sensor> or its <film>");
+        scene_.root->checkAllUsed(context_.lenient, context_.warnings);
+    }
+
+    ParsedScene scene_;
+    LoadContext context_;
+    SceneParts parts_;
+    ElementPtr environment_;
+};
+
+}  // namespace
+
+SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options) {
+    return Loader(parseScene(file, options.defines, options.lenient), options).run(file.string());
+}
+
+}  // namespace metrolux

@@ -9,6 +9,10 @@
 
 namespace metrolux {
 
+namespace {
+constexpr int64_t kMostPixels = int64_t{1} << 28;
+}  // namespace
+
 const char* techniqueName(Technique technique) {
     switch (technique) {
         case Technique::Hit:
@@ -48,6 +52,9 @@ Film::Film(const FilmWindow& window, const ReconstructionFilter& filter) : windo
         window.x + window.width > window.fullWidth || window.y + window.height > window.fullHeight)
         throw Error("film: the window {}x{} at ({}, {}) does not lie inside the image of {}x{} pixels",
                     window.width, window.height, window.x, window.y, window.fullWidth, window.fullHeight);
+    if (static_cast<int64_t>(window.width) * window.height > kMostPixels)
+        throw Error("film: {}x{} pixels are more than the largest image of {}", window.width, window.height,
+                    kMostPixels);
     implementation_ = std::make_shared<Implementation>(window.pixelCount());
 }
 

@@ -1,0 +1,24 @@
+#pragma once
+#include <CLI/CLI.hpp>
+
+#include <functional>
+
+namespace metrolux::app {
+
+/// Exit statuses; docs and --help list them.
+enum ExitStatus : int {
+    kDone = 0,
+    kInternalError = 1,  ///< a bug, or the system failed (no memory ...)
+    kUserError = 2,      ///< options, scene or output cannot be used; nothing was rendered
+    kInterrupted = 3,    ///< SIGINT or SIGTERM; the image so far was written
+    kOutputLost = 4,     ///< rendered, but a named output could not be written (a rescue copy is tried)
+};
+
+/// A subcommand is set up with its options and says how to run it.
+using Run = std::function<int()>;
+Run addRenderCommand(CLI::App& parent);
+Run addCompareCommand(CLI::App& parent);
+Run addInfoCommand(CLI::App& parent);
+Run addIntegratorsCommand(CLI::App& parent);
+
+}  // namespace metrolux::app

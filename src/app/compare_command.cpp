@@ -1,0 +1,84 @@
+#include "app/commands.h"
+#include "image/compare.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace metrolux::app {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  metrolux compare image.exr reference.exr
+  metrolux compare image.exr reference.exr --heatmap errors.png --json
+
+MSE        mean squared difference
+relMSE     mean of (a-b)^2 / (b^2 + epsilon)
+trimmed    relMSE without the 0.1 % of the pixels where it is largest
+sMAPE      mean of 2|a-b| / (|a|+|b|)
+bias       (mean a - mean b) / mean b, with its standard error from tiles of 16x16 pixels
+All means are over pixels and colour channels. Integer formats such as PNG are decoded to linear values.)";
+
+struct CompareArguments {
+    std::string image, reference, heatMap;
+    double epsilon = kRelMseEpsilon;
+    bool json = false;
+};
+
+nlohmann::json numberOrNull(double value) {
+    return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+void printJson(const ImageDifference& d) {
+    const nlohmann::json result{{"mse", numberOrNull(d.mse)},
+                                {"rel_mse", numberOrNull(d.relMse)},
+                                {"trimmed_rel_mse", numberOrNull(d.trimmedRelMse)},
+                                {"smape", numberOrNull(d.smape)},
+                                {"bias", numberOrNull(d.bias)},
+                                {"bias_standard_error", numberOrNull(d.biasError)},
+                                {"mean", numberOrNull(d.meanA)},
+                                {"reference_mean", numberOrNull(d.meanB)},
+                                {"pixels", d.pixels},
+                                {"non_finite_pixels", d.nonFinite}};
+    fmt::print("{}\n", result.dump(2));
+}
+
+void printTable(const ImageDifference& d) {
+    fmt::print("MSE      {:.6g}\n", d.mse);
+    fmt::print("relMSE   {:.6g}\n", d.relMse);
+    fmt::print("trimmed  {:.6g}\n", d.trimmedRelMse);
+    fmt::print("sMAPE    {:.6g}\n", d.smape);
+    fmt::print("bias     {:+.4f} % +- {:.4f} %  (mean {:.6g}, reference {:.6g})\n", 100 * d.bias,
+               100 * d.biasError, d.meanA, d.meanB);
+    fmt::print("pixels   {} compared, {} not finite\n", d.pixels, d.nonFinite);
+}
+
+int compare(const CompareArguments& a) {
+    const ImageData image = readImage(a.image, false), reference = readImage(a.reference, false);
+    const ImageDifference difference = compareImages(image, reference, a.epsilon);
+    if (!a.heatMap.empty()) writePngRaw(a.heatMap, errorHeatMap(image, reference, a.epsilon));
+    if (a.json)
+        printJson(difference);
+    else
+        printTable(difference);
+    return kDone;
+}
+
+}  // namespace
+
+Run addCompareCommand(CLI::App& parent) {
+    CLI::App* app = parent.add_subcommand("compare", "Measure how far an image is from a reference");
+    app->footer(kExamples);
+    auto a = std::make_shared<CompareArguments>();
+    app->add_option("image", a->image, "Image to judge")->required();
+    app->add_option("reference", a->reference, "Image that is taken as right")->required();
+    app->add_option(
+        "--heatmap", a->heatMap,
+        "PNG of the relative error of each pixel: black 0.001, blue, violet, orange, yellow, white 1");
+    app->add_option("--epsilon", a->epsilon, "Of relMSE: keeps black pixels from counting without limit")
+        ->capture_default_str()
+        ->check(CLI::PositiveNumber);
+    app->add_flag("--json", a->json, "Print JSON");
+    return [a] { return compare(*a); };
+}
+
+}  // namespace metrolux::app

@@ -1,0 +1,108 @@
+#include "app/commands.h"
+#include "base/error.h"
+#include "base/suggest.h"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <cstdio>
+#include <new>
+
+namespace metrolux::app {
+namespace {
+
+constexpr const char* kDescription =
+    "Metrolux renders Mitsuba scenes with MCMC VCM: caustics, light through doors ajar, and both at once.";
+
+constexpr const char* kExamples = R"(Examples:
+  metrolux render scene.xml -o image.exr -o image.png --time 5m
+  metrolux compare image.exr reference.exr --heatmap errors.png
+  metrolux info scene.xml
+
+`metrolux COMMAND --help` explains the options of a command.
+
+Exit status: 0 done; 1 internal error; 2 options, scene or output cannot be used; 3 interrupted, the image so far
+was written; 4 rendered, but an output file could not be written.)";
+
+struct Command {
+    CLI::App* app;
+    Run run;
+};
+
+/// Text after an error of the options: the option that was probably meant.
+std::string hintFor(const CLI::ParseError& error, const CLI::App& root, const CLI::App* command) {
+    const CLI::App& app = command != nullptr ? *command : root;
+    std::string hint;
+    std::vector<std::string> candidates;
+    if (command == nullptr)
+        for (const CLI::App* sub : root.get_subcommands([](const CLI::App*) { return true; }))
+            candidates.push_back(sub->get_name());
+    for (const CLI::Option* option : app.get_options())
+        for (const std::string& name : option->get_lnames()) candidates.push_back("--" + name);
+    if (const auto* extras = dynamic_cast<const CLI::ExtrasError*>(&error)) {
+        const std::string message = extras->what();
+        const size_t colon = message.rfind(": ");
+        const std::string word = colon == std::string::npos ? message : message.substr(colon + 2);
+        const std::string nearest = nearestName(word.substr(0, word.find_first_of("= ")), candidates);
+        if (!nearest.empty()) hint = fmt::format("Did you mean {}? ", nearest);
+    }
+    const std::string name = command != nullptr ? "metrolux " + command->get_name() : "metrolux";
+    return fmt::format("{}See {} --help", hint, name);
+}
+
+int runCommandLine(int argc, char** argv) {
+    CLI::App root(kDescription, "metrolux");
+    root.footer(kExamples);
+    root.set_version_flag("--version", std::string("metrolux ") + METROLUX_VERSION,
+                          "Show the version and exit");
+    root.require_subcommand(0, 1);
+    std::vector<Command> commands;
+    for (auto* add : {&addRenderCommand, &addCompareCommand, &addInfoCommand, &addIntegratorsCommand}) {
+        Run run = add(root);
+        commands.push_back(
+            {root.get_subcommands([](const CLI::App*) { return true; }).back(), std::move(run)});
+    }
+    const auto chosen = [&]() -> const Command* {
+        for (const Command& command : commands)
+            if (command.app->parsed()) return &command;
+        return nullptr;
+    };
+    try {
+        root.parse(argc, argv);
+    } catch (const CLI::Success& request) {
+        return root.exit(request);
+    } catch (const CLI::ParseError& error) {
+        fmt::print(stderr, "metrolux: {}\n", error.what());
+        const Command* command = chosen();
+        fmt::print(stderr, "{}\n", hintFor(error, root, command != nullptr ? command->app : nullptr));
+        return kUserError;
+    }
+    const Command* command = chosen();
+    if (command == nullptr) {
+        fmt::print(stderr, "{}", root.help());
+        return kUserError;
+    }
+    return command->run();
+}
+
+}  // namespace
+}  // namespace metrolux::app
+
+int main(int argc, char** argv) {
+    using namespace metrolux::app;
+    spdlog::set_default_logger(spdlog::stderr_color_mt("metrolux"));
+    spdlog::set_pattern("%^%v%$");
+    try {
+        return runCommandLine(argc, argv);
+    } catch (const metrolux::Error& error) {
+        fmt::print(stderr, "metrolux: {}\n", error.what());
+        return kUserError;
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr, "metrolux: out of memory; try a lower --resolution or --memory\n");
+        return kInternalError;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "metrolux: internal error: {}\n", error.what());
+        return kInternalError;
+    }
+}

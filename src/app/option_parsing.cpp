@@ -1,0 +1,106 @@
+#include "app/option_parsing.h"
+
+#include "base/error.h"
+
+#include <charconv>
+#include <cmath>
+
+namespace metrolux::app {
+namespace {
+
+constexpr int kLargestSide = 65536;
+
+/// Reads a number at the beginning of `rest` and removes it; false if there is none.
+template <class Number>
+bool takeNumber(std::string_view& rest, Number& value) {
+    const auto [end, code] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+    if (code != std::errc()) return false;
+    rest.remove_prefix(static_cast<size_t>(end - rest.data()));
+    return true;
+}
+
+bool takeSeparator(std::string_view& rest, char separator) {
+    if (rest.empty() || rest.front() != separator) return false;
+    rest.remove_prefix(1);
+    return true;
+}
+
+/// Seconds of the unit at the beginning of `rest`, which is removed; 0 if it is none.
+double takeTimeUnit(std::string_view& rest) {
+    if (takeSeparator(rest, 's')) return 1;
+    if (takeSeparator(rest, 'm')) return 60;
+    if (takeSeparator(rest, 'h')) return 3600;
+    return rest.empty() ? 1 : 0;
+}
+
+}  // namespace
+
+double parseDuration(const std::string& text) {
+    std::string_view rest = text;
+    double seconds = 0;
+    do {
+        double number = 0;
+        if (!takeNumber(rest, number) || !std::isfinite(number) || number < 0)
+            throw Error("'{}' is not a time, expected for example 90s, 5m or 1h30m", text);
+        const double unit = takeTimeUnit(rest);
+        if (unit == 0) throw Error("'{}' is not a time: the units are s, m and h", text);
+        seconds += number * unit;
+    } while (!rest.empty());
+    if (!(seconds > 0)) throw Error("'{}' is not a time to render for: it must be longer than zero", text);
+    return seconds;
+}
+
+size_t parseMemory(const std::string& text) {
+    std::string_view rest = text;
+    double number = 0;
+    const bool isNumber = takeNumber(rest, number) && std::isfinite(number) && number > 0;
+    double unit = 1;
+    if (!rest.empty()) {
+        const size_t power = std::string_view("kKmMgGtT").find(rest.front());
+        if (power != std::string_view::npos) {
+            unit = std::exp2(10.0 * static_cast<double>(power / 2 + 1));
+            rest.remove_prefix(1);
+        }
+        if (rest == "B" || rest == "iB") rest = {};
+    }
+    if (!isNumber || !rest.empty() || number * unit >= 0x1p62)
+        throw Error("'{}' is not an amount of memory, expected for example 4G or 512M", text);
+    return static_cast<size_t>(number * unit);
+}
+
+Size parseResolution(const std::string& text) {
+    std::string_view rest = text;
+    Size size;
+    if (!takeNumber(rest, size.width) || !takeSeparator(rest, 'x') || !takeNumber(rest, size.height) ||
+        !rest.empty())
+        throw Error("'{}' is not a resolution, expected WIDTHxHEIGHT, for example 1280x720", text);
+    if (size.width < 1 || size.height < 1 || size.width > kLargestSide || size.height > kLargestSide)
+        throw Error("resolution {}: both sides must be from 1 to {} pixels", text, kLargestSide);
+    return size;
+}
+
+Rectangle parseCrop(const std::string& text) {
+    std::string_view rest = text;
+    Rectangle r;
+    if (!takeNumber(rest, r.x) || !takeSeparator(rest, ',') || !takeNumber(rest, r.y) ||
+        !takeSeparator(rest, ',') || !takeNumber(rest, r.width) || !takeSeparator(rest, ',') ||
+        !takeNumber(rest, r.height) || !rest.empty())
+        throw Error("'{}' is not a crop, expected x,y,width,height in pixels, for example 100,50,320,240",
+                    text);
+    if (r.x < 0 || r.y < 0 || r.width < 1 || r.height < 1)
+        throw Error("crop {}: x and y must not be negative, width and height not less than 1", text);
+    return r;
+}
+
+std::map<std::string, std::string> parseDefines(const std::vector<std::string>& texts) {
+    std::map<std::string, std::string> defines;
+    for (const std::string& text : texts) {
+        const size_t equals = text.find('=');
+        if (equals == std::string::npos || equals == 0)
+            throw Error("-D {}: expected name=value, for example -D spp=16", text);
+        defines[text.substr(0, equals)] = text.substr(equals + 1);
+    }
+    return defines;
+}
+
+}  // namespace metrolux::app

@@ -1,0 +1,31 @@
+#pragma once
+/// Reads the values of command-line options. All functions throw Error that says what was expected.
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace metrolux::app {
+
+/// "90", "60s", "5m", "1.5h", "1h30m": seconds, positive.
+double parseDuration(const std::string& text);
+/// "4G", "512M", "1000000": bytes, powers of 1024.
+size_t parseMemory(const std::string& text);
+
+struct Size {
+    int width = 0, height = 0;
+};
+/// "1280x720".
+Size parseResolution(const std::string& text);
+
+struct Rectangle {
+    int x = 0, y = 0, width = 0, height = 0;
+};
+/// "x,y,width,height".
+Rectangle parseCrop(const std::string& text);
+
+/// "name=value" each.
+std::map<std::string, std::string> parseDefines(const std::vector<std::string>& texts);
+
+}  // namespace metrolux::app

@@ -1,0 +1,244 @@
+#include "app/commands.h"
+#include "app/interrupt.h"
+#include "app/option_parsing.h"
+#include "base/error.h"
+#include "base/suggest.h"
+#include "image/atomic_file.h"
+#include "io/scene_loader.h"
+#include "render/session.h"
+#include "render/threads.h"
+
+#include <spdlog/spdlog.h>
+
+#include <unistd.h>
+
+namespace metrolux::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kExamples = R"(Examples:
+  metrolux render scene.xml                            # a minute, to scene.exr
+  metrolux render scene.xml -o a.exr -o a.png --time 1h
+  metrolux render scene.xml --error 0.02               # until the estimated relative error is 2 %
+  metrolux render scene.xml -i path --passes 64 --seed 7
+  metrolux render scene.xml --resolution 320x180 --crop 100,50,64,64 -D material=glass
+  metrolux render scene.xml -o a.exr --aov albedo,normal,depth,variance --stats a.json
+
+Ctrl-C ends the pass in progress, writes the image and exits with status 3; a second Ctrl-C exits at once.
+The same scene, options and number of passes give the same image on any number of threads.)";
+
+struct RenderArguments {
+    std::string scene, time, memory, resolution, crop, curve = "srgb", stats;
+    std::vector<std::string> outputs, defines, aovs;
+    SessionOptions session;
+    int threads = 0;
+    int maxDepth = 0;  // 0: the scene's
+    bool lenient = false, quiet = false;
+};
+
+void addOptions(CLI::App& app, RenderArguments& a) {
+    IntegratorOptions& integrator = a.session.integratorOptions;
+    app.add_option("scene", a.scene, "Mitsuba scene, XML of version 3.x, 2.x, 0.6 or 0.5")->required();
+    const char* const output = "Output";
+    app.add_option("-o,--output", a.outputs,
+                   "Image to write, .exr or .png; may be given more than once (default: the "
+                   "name of the scene with .exr, in the current folder)")
+        ->allow_extra_args(false)
+        ->group(output);
+    app.add_option("--exposure", a.session.display.exposure, "Stops of exposure for PNG")
+        ->capture_default_str()
+        ->check(CLI::Range(-100.0, 100.0))
+        ->group(output);
+    app.add_option("--curve", a.curve, "Tone curve for PNG: srgb (clips) or filmic (rolls off highlights)")
+        ->capture_default_str()
+        ->check(CLI::IsMember({"srgb", "filmic"}))
+        ->group(output);
+    app.add_option("--aov", a.aovs, "Layers to add to EXR files: albedo, normal, depth, variance")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->group(output);
+    app.add_option("--stats", a.stats, "JSON file for statistics")->group(output);
+    app.add_option("--save-every", a.session.saveEvery,
+                   "Seconds between saves of the image so far; 0: only at the end")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber)
+        ->group(output);
+    app.add_flag("--quiet", a.quiet, "Show errors and warnings only")->group(output);
+
+    const char* const limits = "When to stop (whichever comes first; without any: --time 60s)";
+    app.add_option("--time", a.time, "Time to render for: 90s, 5m, 1h30m; loading is not counted")
+        ->group(limits);
+    app.add_option("--passes", a.session.limits.passes, "Number of passes")
+        ->check(CLI::PositiveNumber)
+        ->group(limits);
+    app.add_option("--error", a.session.limits.relativeError,
+                   "Estimated relative error of the image (root mean square, 0.02 is 2 %)")
+        ->check(CLI::PositiveNumber)
+        ->group(limits);
+
+    const char* const scene = "Scene";
+    app.add_option("-D,--define", a.defines, "name=value of a <default> or $parameter of the scene")
+        ->allow_extra_args(false)
+        ->group(scene);
+    app.add_option("--resolution", a.resolution, "WIDTHxHEIGHT in place of the scene's")->group(scene);
+    app.add_option("--crop", a.crop, "x,y,width,height: render this part of the image only")->group(scene);
+    app.add_flag("--lenient", a.lenient,
+                 "Warn of unknown plugins and parameters instead of refusing the scene")
+        ->group(scene);
+
+    const char* const algorithm = "Algorithm";
+    app.add_option("-i,--integrator", a.session.integrator,
+                   "Name from `metrolux integrators`, or `scene` for what the scene names")
+        ->capture_default_str()
+        ->group(algorithm);
+    app.add_option("--max-depth", a.maxDepth,
+                   "Largest number of path edges, -1 for no limit (default: the scene's)")
+        ->check(CLI::Range(-1, 1 << 20))
+        ->group(algorithm);
+    app.add_option("--seed", integrator.seed, "Seed of all random numbers")
+        ->capture_default_str()
+        ->group(algorithm);
+    app.add_option("--radius", integrator.radius,
+                   "First merging radius in scene units (default: from the pixel size)")
+        ->check(CLI::PositiveNumber)
+        ->group(algorithm);
+    app.add_option("--replicas", integrator.replicas,
+                   "mcmc_vcm: chains that take part, of u (uniform), v (visibility), f (contribution)")
+        ->capture_default_str()
+        ->group(algorithm);
+    app.add_flag("--kelemen", integrator.kelemenKernel,
+                 "mcmc_vcm: Kelemen's mutation instead of the adaptive one")
+        ->group(algorithm);
+    app.add_option("--lanes", integrator.lanes, "mcmc_vcm: number of independent sets of chains")
+        ->check(CLI::PositiveNumber)
+        ->group(algorithm);
+
+    const char* const machine = "Machine";
+    app.add_option("--threads", a.threads, "Number of threads (default: one for each core)")
+        ->check(CLI::Range(1, 4096))
+        ->group(machine);
+    app.add_option("--memory", a.memory,
+                   "What a pass may store: 4G, 512M (default: half of the machine's memory)")
+        ->group(machine);
+}
+
+size_t halfOfPhysicalMemory() {
+    const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGE_SIZE);
+    return pages > 0 && size > 0 ? static_cast<size_t>(pages) / 2 * static_cast<size_t>(size) : 0;
+}
+
+void checkReplicas(const std::string& replicas) {
+    if (replicas.empty() || replicas.find_first_not_of("uvf") != std::string::npos)
+        throw Error("--replicas {}: expected some of the letters u, v and f", replicas);
+}
+
+/// Checks all values and outputs before anything expensive begins.
+void prepare(RenderArguments& a) {
+    SessionOptions& session = a.session;
+    session.version = METROLUX_VERSION;
+    if (!a.time.empty()) session.limits.seconds = parseDuration(a.time);
+    if (!session.limits.any()) session.limits.seconds = 60;
+    session.integratorOptions.memoryBytes = a.memory.empty() ? halfOfPhysicalMemory() : parseMemory(a.memory);
+    checkReplicas(session.integratorOptions.replicas);
+    session.display.curve = toneCurveFromName(a.curve).value();
+    for (const std::string& name : a.aovs) session.aovs.push_back(aovFromName(name));
+    if (a.outputs.empty()) a.outputs.push_back(fs::path(a.scene).stem().string() + ".exr");
+    session.outputs.assign(a.outputs.begin(), a.outputs.end());
+    const OutputSet checked(session.outputs, session.display);
+    if (!a.stats.empty()) checkWritable(a.stats);
+    if (session.integrator == "scene") return;
+    std::vector<std::string> names;
+    for (const auto& [name, description] : integratorList()) names.push_back(name);
+    if (std::find(names.begin(), names.end(), session.integrator) == names.end()) {
+        const std::string nearest = nearestName(session.integrator, names);
+        throw Error("unknown integrator '{}'{}; `metrolux integrators` lists them", session.integrator,
+                    nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
+    }
+}
+
+LoadOptions loadOptions(const RenderArguments& a) {
+    LoadOptions options;
+    options.defines = parseDefines(a.defines);
+    options.lenient = a.lenient;
+    if (!a.resolution.empty()) {
+        const Size size = parseResolution(a.resolution);
+        options.width = size.width;
+        options.height = size.height;
+    }
+    if (!a.crop.empty()) {
+        const Rectangle crop = parseCrop(a.crop);
+        options.hasCrop = true;
+        options.cropX = crop.x;
+        options.cropY = crop.y;
+        options.cropWidth = crop.width;
+        options.cropHeight = crop.height;
+    }
+    return options;
+}
+
+void reportNonFinite(const nlohmann::json& counts) {
+    for (const auto& [technique, count] : counts.items())
+        if (count.get<uint64_t>() > 0)
+            spdlog::warn("{} contributions of the technique '{}' were not finite and were left out",
+                         count.get<uint64_t>(), technique);
+}
+
+/// Reports what became of the files; the exit status.
+int conclude(const SessionResult& result, const RenderArguments& a) {
+    bool lost = !result.written.failures.empty();
+    for (const std::string& failure : result.written.failures) spdlog::error("{}", failure);
+    for (const fs::path& file : result.written.rescued)
+        spdlog::error("the image is in {} instead", file.string());
+    if (!a.stats.empty()) {
+        try {
+            writeTextFile(a.stats, result.statistics.dump(2) + "\n");
+        } catch (const Error& error) {
+            spdlog::error("{}", error.what());
+            lost = true;
+        }
+    }
+    if (lost) return kOutputLost;
+    if (result.passes == 0) {
+        spdlog::warn("interrupted before the first pass: nothing was written");
+        return kInterrupted;
+    }
+    for (const std::string& file : a.outputs) spdlog::info("wrote {}", file);
+    return result.reason == StopReason::Interrupted ? kInterrupted : kDone;
+}
+
+int render(RenderArguments& a, const CLI::App& app) {
+    if (a.quiet) spdlog::set_level(spdlog::level::warn);
+    prepare(a);
+    const LoadOptions load = loadOptions(a);
+    catchInterrupts();
+    ThreadLimit limit(a.threads);
+    return limit.execute([&] {
+        SceneParts parts = loadScene(a.scene, load);
+        for (const std::string& warning : parts.warnings) spdlog::warn("{}", warning);
+        const Scene scene(std::move(parts));
+        PathLimits& limits = a.session.integratorOptions.limits;
+        limits = scene.parts().limits;
+        if (app.count("--max-depth") > 0) limits.maxDepth = a.maxDepth;
+        RenderSession session(scene, a.session);
+        const FilmWindow& window = scene.camera().window();
+        spdlog::info("{}: {}x{} pixels, integrator {}, {} threads", a.scene, window.width, window.height,
+                     a.session.integrator, limit.threads());
+        ProgressReporter progress(ProgressReporter::modeFor(stderr, a.quiet));
+        const SessionResult result = session.run(progress, interruptRequested);
+        reportNonFinite(result.statistics["non_finite"]);
+        return conclude(result, a);
+    });
+}
+
+}  // namespace
+
+Run addRenderCommand(CLI::App& parent) {
+    CLI::App* app = parent.add_subcommand("render", "Render a scene to image files");
+    app->footer(kExamples);
+    auto arguments = std::make_shared<RenderArguments>();
+    addOptions(*app, *arguments);
+    return [arguments, app] { return render(*arguments, *app); };
+}
+
+}  // namespace metrolux::app

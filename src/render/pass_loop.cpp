@@ -1,0 +1,72 @@
+#include "render/pass_loop.h"
+
+#include "base/error.h"
+
+#include <chrono>
+#include <optional>
+
+namespace metrolux {
+namespace {
+
+double steadySeconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+std::optional<StopReason> reached(const RenderLimits& limits, const PassReport& report) {
+    const double secondsPerPass = report.seconds / std::max(1u, report.passes);
+    if (limits.passes > 0 && report.passes >= limits.passes) return StopReason::Passes;
+    if (limits.relativeError > 0 && report.relativeError <= limits.relativeError) return StopReason::Error;
+    if (limits.seconds > 0 && report.seconds + 0.5 * secondsPerPass >= limits.seconds)
+        return StopReason::Time;
+    return std::nullopt;
+}
+
+double estimateRemaining(const RenderLimits& limits, const PassReport& report) {
+    constexpr double kNever = std::numeric_limits<double>::infinity();
+    double remaining = kNever;
+    if (limits.seconds > 0) remaining = std::min(remaining, limits.seconds - report.seconds);
+    if (limits.passes > 0)
+        remaining =
+            std::min(remaining, (static_cast<double>(limits.passes) / report.passes - 1) * report.seconds);
+    // The error falls with the square root of the number of passes.
+    if (limits.relativeError > 0 && std::isfinite(report.relativeError))
+        remaining =
+            std::min(remaining, (sqr(report.relativeError / limits.relativeError) - 1) * report.seconds);
+    return remaining == kNever ? -1 : std::max(0.0, remaining);
+}
+
+}  // namespace
+
+const char* stopReasonName(StopReason reason) {
+    switch (reason) {
+        case StopReason::Time:
+            return "time";
+        case StopReason::Passes:
+            return "passes";
+        case StopReason::Error:
+            return "error";
+        case StopReason::Interrupted:
+            return "interrupted";
+    }
+    return "unknown";
+}
+
+StopReason renderPasses(Integrator& integrator, Film& film, const RenderLimits& limits,
+                        const PassLoopHooks& hooks) {
+    if (!limits.any()) throw Error("rendering needs a limit: a time, a number of passes or an error");
+    const auto clock = hooks.clock ? hooks.clock : steadySeconds;
+    const double start = clock();
+    while (true) {
+        if (hooks.interrupted && hooks.interrupted()) return StopReason::Interrupted;
+        integrator.renderPass(film);
+        PassReport report;
+        report.passes = film.passes();
+        report.seconds = clock() - start;
+        report.relativeError = film.relativeError();
+        report.secondsRemaining = estimateRemaining(limits, report);
+        if (hooks.afterPass) hooks.afterPass(report);
+        if (const auto reason = reached(limits, report)) return *reason;
+    }
+}
+
+}  // namespace metrolux

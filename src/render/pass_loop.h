@@ -1,0 +1,43 @@
+#pragma once
+#include "integrators/integrator.h"
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace metrolux {
+
+/// When to stop; the first limit that is reached counts. Zero: no such limit.
+struct RenderLimits {
+    double seconds = 0;  ///< of rendering: loading the scene is not included
+    uint32_t passes = 0;
+    double relativeError = 0;  ///< Film::relativeError
+    bool any() const { return seconds > 0 || passes > 0 || relativeError > 0; }
+};
+
+enum class StopReason { Time, Passes, Error, Interrupted };
+const char* stopReasonName(StopReason reason);
+
+/// What is known after a pass.
+struct PassReport {
+    uint32_t passes = 0;
+    double seconds = 0;
+    double relativeError = 0;      ///< infinity before it is known
+    double secondsRemaining = -1;  ///< estimate until a limit is reached; negative when nothing can be said
+};
+
+/// What the loop asks of its surroundings, so that a test can play them.
+struct PassLoopHooks {
+    std::function<double()> clock;                     ///< seconds, any origin; default: steady clock
+    std::function<bool()> interrupted;                 ///< asked between passes; default: never
+    std::function<void(const PassReport&)> afterPass;  ///< default: nothing
+};
+
+/// Renders passes until a limit is reached or somebody interrupts, which ends the pass in progress first.
+/// Unless interrupted before it, at least one pass is rendered. Under a time limit no pass is begun that
+/// would probably exceed the limit by more than stopping now would fall short of it. Throws Error when there
+/// is no limit.
+StopReason renderPasses(Integrator& integrator, Film& film, const RenderLimits& limits,
+                        const PassLoopHooks& hooks);
+
+}  // namespace metrolux

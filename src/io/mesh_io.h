@@ -1,0 +1,43 @@
+#pragma once
+/// Readers of mesh files. All of them check what a file declares against its size before they allocate, and
+/// throw Error with the file's name, what was found and what was expected.
+
+#include "base/transform.h"
+#include "geometry/shape.h"
+
+#include <filesystem>
+#include <memory>
+
+namespace metrolux {
+
+struct MeshOptions {
+    Transform toWorld;
+    bool flipNormals = false;  ///< turn the surface inside out
+    bool faceNormals =
+        false;  ///< drop the file's vertex normals; without, they are computed where the file has none
+    bool flipTexCoords = false;  ///< v becomes 1 - v
+};
+
+/// Wavefront OBJ: all faces of the file as one mesh, polygons as triangle fans. Groups and materials are
+/// ignored.
+std::shared_ptr<TriangleMesh> readObj(const std::filesystem::path& path, const MeshOptions& options);
+
+/// PLY, ascii or binary of either byte order. Further properties of vertices and faces become attributes with
+/// Mitsuba's names: consecutive `weight_0, weight_1, weight_2` (or _x _y _z, _r _g _b, _1 _2 _3) are
+/// "vertex_weight" with three channels, `r, g, b` or `red, green, blue` are "vertex_color". Integers are
+/// sRGB-encoded fractions of their maximum.
+std::shared_ptr<TriangleMesh> readPly(const std::filesystem::path& path, const MeshOptions& options);
+
+/// One mesh of Mitsuba's compressed format, versions 3 and 4.
+std::shared_ptr<TriangleMesh> readSerialized(const std::filesystem::path& path, int shapeIndex,
+                                             const MeshOptions& options);
+
+// What the readers share.
+
+/// The whole file.
+std::string readMeshFile(const std::filesystem::path& path);
+
+/// Takes a mesh in object space to the world, settles its normals and finalizes it.
+void finishMesh(TriangleMesh& mesh, const std::filesystem::path& path, const MeshOptions& options);
+
+}  // namespace metrolux

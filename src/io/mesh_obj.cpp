@@ -1,0 +1,164 @@
+#include "base/error.h"
+#include "io/mesh_io.h"
+
+#include <array>
+#include <istream>
+#include <streambuf>
+#include <string_view>
+#include <tiny_obj_loader.h>
+
+namespace metrolux {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// tinyobjloader reads what is no number as zero, and a missing coordinate too. This refuses such lines
+/// first.
+void checkLines(const fs::path& path, std::string_view text) {
+    size_t lineNumber = 0;
+    while (!text.empty()) {
+        const size_t end = text.find('\n');
+        std::string_view line = text.substr(0, end);
+        text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+        ++lineNumber;
+        const auto nextToken = [&line] {
+            const size_t begin = std::min(line.find_first_not_of(" \t\r"), line.size());
+            line.remove_prefix(begin);
+            const std::string_view token = line.substr(0, line.find_first_of(" \t\r"));
+            line.remove_prefix(token.size());
+            return token;
+        };
+        const std::string_view keyword = nextToken();
+        const bool face = keyword == "f";
+        const size_t expected = keyword == "v" || keyword == "vn" || face ? 3 : keyword == "vt" ? 2 : 0;
+        if (expected == 0) continue;
+        size_t count = 0;
+        for (std::string_view token = nextToken(); !token.empty() && token[0] != '#';
+             token = nextToken(), ++count) {
+            if (!face && count >= expected) break;  // weights and colours, which are not used
+            if (token.find_first_not_of(face ? "0123456789-/" : "0123456789+-.eE") != std::string_view::npos)
+                throw Error("{}:{}: \"{}\" is not {}", path.string(), lineNumber, token,
+                            face ? "a vertex of a face (v, v/vt, v//vn or v/vt/vn)" : "a number");
+        }
+        if (count < expected)
+            throw Error("{}:{}: \"{}\" with {} values, expected {}{}", path.string(), lineNumber, keyword,
+                        count, face ? "at least " : "", expected);
+    }
+}
+
+/// Collects what the parser reports; exceptions must not cross the library, so that the first error waits
+/// here.
+class Builder {
+  public:
+    void addVertex(float x, float y, float z) {
+        positions_.emplace_back(x, y, z);
+        firstOfPosition_.push_back(kNone);
+    }
+    void addNormal(float x, float y, float z) { normals_.emplace_back(x, y, z); }
+    void addTexCoord(float u, float v) { texCoords_.emplace_back(u, v); }
+
+    void addFace(const tinyobj::index_t* corners, int count) {
+        ++faces_;
+        std::array<uint32_t, 3> triangle{};
+        for (int i = 0; i < count && error_.empty(); ++i) {
+            const uint32_t vertex = vertexOf(corners[i]);
+            if (i < 3) {
+                triangle[static_cast<size_t>(i)] = vertex;
+            } else {
+                triangle[1] = triangle[2];
+                triangle[2] = vertex;
+            }
+            if (i >= 2) mesh_->indices.insert(mesh_->indices.end(), triangle.begin(), triangle.end());
+        }
+    }
+
+    std::shared_ptr<TriangleMesh> finish(const fs::path& path, const MeshOptions& options) {
+        if (!error_.empty()) throw Error("{}: {}", path.string(), error_);
+        if (normals_.empty()) mesh_->normals.clear();
+        if (texCoords_.empty()) mesh_->uvs.clear();
+        finishMesh(*mesh_, path, options);
+        return mesh_;
+    }
+
+  private:
+    static constexpr uint32_t kNone = ~0u;
+
+    /// A combination of indices that has become a vertex of the mesh; those of one position form a list.
+    struct Corner {
+        int64_t texCoord, normal;
+        uint32_t vertex, next;
+    };
+
+    /// Index from 0, or -1 for one that the face does not have. Negative indices count from the end.
+    int64_t resolve(int index, size_t count, const char* what) {
+        if (index == 0) return -1;
+        const int64_t resolved = index > 0 ? int64_t(index) - 1 : static_cast<int64_t>(count) + index;
+        if (resolved < 0 || resolved >= static_cast<int64_t>(count)) {
+            error_ = fmt::format("face {} refers to {} {}, but there are {}", faces_, what, index, count);
+            return -1;
+        }
+        return resolved;
+    }
+
+    uint32_t vertexOf(const tinyobj::index_t& corner) {
+        const int64_t position = resolve(corner.vertex_index, positions_.size(), "vertex");
+        const int64_t texCoord = resolve(corner.texcoord_index, texCoords_.size(), "texture coordinate");
+        const int64_t normal = resolve(corner.normal_index, normals_.size(), "normal");
+        if (position < 0 && error_.empty())
+            error_ = fmt::format("face {} has a vertex without a position", faces_);
+        if (!error_.empty()) return 0;
+        uint32_t& first = firstOfPosition_[static_cast<size_t>(position)];
+        for (uint32_t i = first; i != kNone; i = corners_[i].next)
+            if (corners_[i].texCoord == texCoord && corners_[i].normal == normal) return corners_[i].vertex;
+        const auto vertex = static_cast<uint32_t>(mesh_->positions.size());
+        corners_.push_back({texCoord, normal, vertex, first});
+        first = static_cast<uint32_t>(corners_.size() - 1);
+        mesh_->positions.push_back(positions_[static_cast<size_t>(position)]);
+        // A zero normal makes the mesh fall back on the geometric one.
+        mesh_->normals.push_back(normal < 0 ? Vec3f(0.0f) : normals_[static_cast<size_t>(normal)]);
+        mesh_->uvs.push_back(texCoord < 0 ? Vec2f(0.0f) : texCoords_[static_cast<size_t>(texCoord)]);
+        return vertex;
+    }
+
+    std::shared_ptr<TriangleMesh> mesh_ = std::make_shared<TriangleMesh>();
+    std::vector<Vec3f> positions_, normals_;
+    std::vector<Vec2f> texCoords_;
+    std::vector<Corner> corners_;
+    std::vector<uint32_t> firstOfPosition_;
+    size_t faces_ = 0;
+    std::string error_;
+};
+
+struct MemoryBuffer : std::streambuf {
+    explicit MemoryBuffer(std::string& text) { setg(text.data(), text.data(), text.data() + text.size()); }
+};
+
+}  // namespace
+
+std::shared_ptr<TriangleMesh> readObj(const fs::path& path, const MeshOptions& options) {
+    std::string text = readMeshFile(path);
+    checkLines(path, text);
+    Builder builder;
+    tinyobj::callback_t callbacks;
+    callbacks.vertex_cb = [](void* b, float x, float y, float z, float) {
+        static_cast<Builder*>(b)->addVertex(x, y, z);
+    };
+    callbacks.normal_cb = [](void* b, float x, float y, float z) {
+        static_cast<Builder*>(b)->addNormal(x, y, z);
+    };
+    callbacks.texcoord_cb = [](void* b, float u, float v, float) {
+        static_cast<Builder*>(b)->addTexCoord(u, v);
+    };
+    callbacks.index_cb = [](void* b, tinyobj::index_t* corners, int count) {
+        static_cast<Builder*>(b)->addFace(corners, count);
+    };
+    MemoryBuffer buffer(text);
+    std::istream stream(&buffer);
+    std::string warning, error;
+    if (!tinyobj::LoadObjWithCallback(stream, callbacks, &builder, nullptr, &warning, &error))
+        throw Error("{}: {}", path.string(), error);
+    return builder.finish(path, options);
+}
+
+}  // namespace metrolux

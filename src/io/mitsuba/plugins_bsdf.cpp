@@ -12,6 +12,8 @@
 #include "scattering/null_bsdf.h"
 #include "scattering/phong.h"
 #include "scattering/plastic.h"
+#include "scattering/principled.h"
+#include "scattering/principled_thin.h"
 #include "scattering/rough_conductor.h"
 #include "scattering/rough_dielectric.h"
 #include "scattering/rough_plastic.h"
@@ -19,8 +21,6 @@
 #include "scattering/thin_dielectric.h"
 #include "scattering/two_sided.h"
 #include "scattering/ward.h"
-
-#include <functional>
 
 namespace metrolux::mitsuba {
 namespace {
@@ -232,6 +232,47 @@ BsdfPtr ward(const Source& s) {
     return s.make(makeWard, p);
 }
 
+/// What the two principled models have in common.
+template <class Parameters>
+void readPrincipled(const Source& s, Parameters& p) {
+    p.baseColor = s.colour("base_color", 0.5f);
+    p.roughness = s.scalar("roughness", 0.5f);
+    p.anisotropic = s.scalar("anisotropic", 0);
+    p.specTrans = s.scalar("spec_trans", 0);
+    p.specTint = s.scalar("spec_tint", 0);
+    p.sheen = s.scalar("sheen", 0);
+    p.sheenTint = s.scalar("sheen_tint", 0);
+    p.flatness = s.scalar("flatness", 0);
+    p.diffuseReflectanceSamplingRate = s.element.number("diffuse_reflectance_sampling_rate", 1);
+}
+
+BsdfPtr principled(const Source& s) {
+    const Element& e = s.element;
+    PrincipledParameters p;
+    readPrincipled(s, p);
+    p.metallic = s.scalar("metallic", 0);
+    p.clearcoat = s.scalar("clearcoat", 0);
+    p.clearcoatGloss = s.scalar("clearcoat_gloss", 0);
+    if (e.has("eta") && e.has("specular"))
+        throw e.error("found both \"eta\" and \"specular\", expected one of the two");
+    if (e.has("eta")) p.eta = e.number("eta", 1.5f);
+    p.specular = e.number("specular", 0.5f);
+    p.mainSpecularSamplingRate = e.number("main_specular_sampling_rate", 1);
+    p.clearcoatSamplingRate = e.number("clearcoat_sampling_rate", 1);
+    return s.make(makePrincipled, p);
+}
+
+BsdfPtr principledThin(const Source& s) {
+    PrincipledThinParameters p;
+    readPrincipled(s, p);
+    p.eta = s.scalar("eta", 1.5f);
+    p.diffTrans = s.scalar("diff_trans", 0);
+    p.diffuseTransmittanceSamplingRate = s.element.number("diffuse_transmittance_sampling_rate", 1);
+    p.specularReflectanceSamplingRate = s.element.number("specular_reflectance_sampling_rate", 1);
+    p.specularTransmittanceSamplingRate = s.element.number("specular_transmittance_sampling_rate", 1);
+    return s.make(makePrincipledThin, p);
+}
+
 BsdfPtr twoSided(const Source& s) {
     const std::vector<BsdfPtr> nested = s.nested(1, 2);
     return s.make(makeTwoSided, TwoSidedParameters{nested.front(), nested.back()});
@@ -270,6 +311,8 @@ const std::vector<std::pair<std::string, Factory>> kFactories = {
     {"roughconductor", roughConductor},
     {"plastic", plastic},
     {"roughplastic", roughPlastic},
+    {"principled", principled},
+    {"principledthin", principledThin},
     {"phong", phong},
     {"ward", ward},
     {"twosided", twoSided},

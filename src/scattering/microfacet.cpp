@@ -126,9 +126,9 @@ Vec2f MicrofacetDistribution::sampleBeckmannSlope(float cosTheta, float sinTheta
     const float edge = sinTheta > 0 ? sinTheta * kInvSqrtPi * std::exp(-cotTheta * cotTheta) : 0.0f;
     const float target = u.x * (cosTheta * (1.0f + std::erf(cotTheta)) + edge);
     float low = -kLimit, high = upper;
-    // The solution at grazing incidence, where the inversion is most nonlinear, is exp(-s^2) = u.
-    float x =
-        upper - (upper + 1.0f) * std::erf(std::sqrt(-std::log(std::clamp(u.x, 1e-7f, kOneMinusEpsilon))));
+    // Exact at grazing incidence, exp(-s^2) = u, and at normal incidence, erf(s) = 2 u - 1; a blend between.
+    const float grazing = std::erf(std::sqrt(-std::log(std::clamp(u.x, 1e-7f, kOneMinusEpsilon))));
+    float x = upper - (upper + 1.0f) * lerp(cosTheta, grazing, 1.0f - u.x);
     for (int i = 0; i < 12; ++i) {
         if (!(x > low && x < high)) x = 0.5f * (low + high);
         const float s = erfInverse(x);

@@ -94,7 +94,7 @@ TEST_P(RoughBsdf, DensityMatchesSamplesInTheMiddleOfEachLobe) {
                     transmitted ? Vec3f(-known.x * etaTi, -known.y * etaTi, cosT) : reflectLocal(known);
                 if (std::abs(axis.z) < 1e-3f) continue;  // total reflection
                 const double cap = 1 - std::cos((transmitted ? 0.4 : 1.0) * std::min(0.3f, width));
-                constexpr int kSamples = 100000;
+                constexpr int kSamples = 40000;
                 double sum = 0, squares = 0;
                 for (int i = 0; i < kSamples; ++i) {
                     const float lobe = rng.next1D();
@@ -108,7 +108,7 @@ TEST_P(RoughBsdf, DensityMatchesSamplesInTheMiddleOfEachLobe) {
                 const double error = std::sqrt((squares / kSamples - mean * mean) / kSamples);
                 const double solidAngle = 2 * std::numbers::pi * cap;
                 EXPECT_NEAR(mean, solidAngle, 5 * error + 1e-3 * solidAngle) << cosine << transmitted;
-                EXPECT_LT(error, 0.2 * solidAngle);
+                EXPECT_LT(error, 0.3 * solidAngle);
             }
 }
 

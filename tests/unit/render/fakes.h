@@ -1,0 +1,28 @@
+#pragma once
+#include "integrators/integrator.h"
+
+#include <nlohmann/json.hpp>
+
+#include <functional>
+
+namespace metrolux::test {
+
+/// Gives every pixel of pass i the value `values(i)`.
+class FakeIntegrator final : public Integrator {
+  public:
+    explicit FakeIntegrator(std::function<float(uint32_t)> values = [](uint32_t) { return 1.0f; })
+        : values_(std::move(values)) {}
+    void renderPass(Film& film) override {
+        const float value = values_(film.passes());
+        for (int i = 0; i < film.pixelCount(); ++i)
+            film.addEye(static_cast<uint32_t>(i), Rgb(value, 0, 2 * value));
+        film.endPass();
+    }
+    nlohmann::json statistics() const override { return {{"fake", true}}; }
+    std::string progressNote() const override { return "a note"; }
+
+  private:
+    std::function<float(uint32_t)> values_;
+};
+
+}  // namespace metrolux::test

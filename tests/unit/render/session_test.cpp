@@ -1,0 +1,191 @@
+#include "render/session.h"
+
+#include "base/error.h"
+#include "fakes.h"
+#include "render/threads.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+namespace metrolux {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A square of 2x2 units with reflectance (0.2, 0.4, 0.6), 4 units in front of the camera, which sees beyond
+/// its edges.
+class Session : public testing::Test {
+  protected:
+    Session() : scene(parts()) {
+        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+        folder =
+            fs::path(testing::TempDir()) / fmt::format("metrolux-session-{}-{}", test->name(), ::getpid());
+        fs::create_directories(folder);
+        options.outputs = {folder / "a.exr", folder / "a.png"};
+        options.limits.passes = 3;
+        options.integrator = "fake";
+        options.version = "1.2.3";
+    }
+    ~Session() override { fs::remove_all(folder); }
+
+    static SceneParts parts() {
+        SceneParts result;
+        ShapePtr square = makeRectangle(Transform::rotate(Vec3f(0, 1, 0), 180), false);
+        square->bsdf = std::make_shared<ColouredBsdf>();
+        result.shapes.push_back(square);
+        PerspectiveParameters camera;
+        camera.toWorld = Transform::lookAt(Vec3f(0, 0, -4), Vec3f(0, 0, 0), Vec3f(0, 1, 0));
+        camera.fov = 60;
+        result.camera = makePerspectiveCamera(camera, {20, 10, 0, 0, 20, 10});
+        result.filterKind = ReconstructionFilter::Kind::Box;
+        result.source = "square.xml";
+        return result;
+    }
+    SessionResult run(
+        std::unique_ptr<Integrator> integrator = std::make_unique<test::FakeIntegrator>(),
+        const std::function<bool()>& interrupted = [] { return false; }) {
+        RenderSession session(scene, options, std::move(integrator));
+        ProgressReporter silent(ProgressReporter::Mode::Silent);
+        return session.run(silent, interrupted);
+    }
+
+    /// Absorbs everything but has a colour.
+    struct ColouredBsdf final : Bsdf {
+        std::optional<BsdfSample> sample(const SurfaceInteraction&, const Vec3f&, TransportMode, float,
+                                         const Vec2f&) const override {
+            return std::nullopt;
+        }
+        BsdfEvaluation evaluate(const SurfaceInteraction&, const Vec3f&, const Vec3f&) const override {
+            return {};
+        }
+        Rgb albedo(const SurfaceInteraction&) const override { return {0.2f, 0.4f, 0.6f}; }
+        bool hasSmoothLobe() const override { return true; }
+        bool hasDeltaLobe() const override { return false; }
+    };
+    Scene scene;
+    fs::path folder;
+    SessionOptions options;
+};
+
+TEST_F(Session, WritesImagesWithMetadata) {
+    const SessionResult result = run();
+    EXPECT_EQ(result.reason, StopReason::Passes);
+    EXPECT_TRUE(result.written.failures.empty());
+    const ImageData exr = readImage(folder / "a.exr", false), png = readImage(folder / "a.png", true);
+    EXPECT_EQ(exr.width, 20);
+    EXPECT_EQ(exr.height, 10);
+    EXPECT_EQ(exr.at(3, 3)[0], 1);
+    EXPECT_EQ(exr.at(3, 3)[2], 2);
+    EXPECT_EQ(png.at(3, 3)[0], 1);
+    EXPECT_EQ(png.at(3, 3)[1], 0);
+    const Metadata metadata = readMetadata(folder / "a.exr");
+    const auto has = [&](const char* name, const MetadataValue& value) {
+        return std::find(metadata.begin(), metadata.end(),
+                         std::pair<std::string, MetadataValue>(name, value)) != metadata.end();
+    };
+    EXPECT_TRUE(has("metrolux:integrator", "fake"));
+    EXPECT_TRUE(has("metrolux:passes", 3));
+    EXPECT_TRUE(has("metrolux:scene", "square.xml"));
+    EXPECT_TRUE(has("metrolux:window", "20x10 at 0,0 of 20x10"));
+    EXPECT_TRUE(has("Software", "Metrolux 1.2.3"));
+}
+
+TEST_F(Session, StatisticsHaveTheFields) {
+    ThreadLimit threads(2);
+    const nlohmann::json s = threads.execute([&] { return run(); }).statistics;
+    for (const char* name :
+         {"version", "scene", "integrator", "seed", "threads", "passes", "seconds", "relative_error", "rays",
+          "peak_memory_bytes", "non_finite", "integrator_statistics", "stop_reason"})
+        EXPECT_TRUE(s.contains(name)) << name;
+    EXPECT_EQ(s["threads"], 2);
+    EXPECT_EQ(s["stop_reason"], "passes");
+    EXPECT_TRUE(s["relative_error"].is_null());
+    EXPECT_EQ(s["integrator_statistics"]["fake"], true);
+    EXPECT_EQ(s["non_finite"]["merge"], 0);
+    EXPECT_GT(s["peak_memory_bytes"], 1e6);
+}
+
+TEST_F(Session, AovsAreLayers) {
+    options.aovs = {Aov::Albedo, Aov::Normal, Aov::Depth, Aov::Variance};
+    run(std::make_unique<test::FakeIntegrator>([](uint32_t pass) { return static_cast<float>(pass); }));
+    const auto value = [&](const char* layer, const char* channel, size_t pixel) {
+        const ImageLayer l = readLayer(folder / "a.exr", layer);
+        const auto c = static_cast<size_t>(std::find(l.channels.begin(), l.channels.end(), channel) -
+                                           l.channels.begin());
+        EXPECT_LT(c, l.channels.size());
+        return l.pixels[pixel * l.channels.size() + c];
+    };
+    const size_t centre = 5 * 20 + 10, corner = 0;
+    EXPECT_FLOAT_EQ(value("albedo", "R", centre), 0.2f);
+    EXPECT_FLOAT_EQ(value("albedo", "B", centre), 0.6f);
+    EXPECT_EQ(value("albedo", "R", corner), 0);
+    EXPECT_NEAR(value("normal", "Z", centre), -1, 1e-5);
+    EXPECT_NEAR(value("normal", "X", centre), 0, 1e-5);
+    EXPECT_NEAR(value("depth", "Z", centre), 4, 0.05);
+    EXPECT_EQ(value("depth", "Z", corner), 0);
+    // Passes 0, 1, 2: variance of the mean 1/3 in units of the luminance of (1, 0, 2), squared.
+    EXPECT_NEAR(value("variance", "Y", centre), sqr(0.212671 + 2 * 0.072169) / 3, 1e-5);
+    EXPECT_THROW(aovFromName("colour"), Error);
+}
+
+TEST_F(Session, RefusesOutputsBeforeRendering) {
+    const auto construct = [this] {
+        RenderSession(scene, options, std::make_unique<test::FakeIntegrator>());
+    };
+    options.outputs = {folder / "absent" / "a.exr"};
+    EXPECT_THROW(construct(), Error);
+    options.outputs = {folder / "a.jpg"};
+    EXPECT_THROW(construct(), Error);
+    options.outputs = {folder / "a.exr", folder / "a.exr"};
+    EXPECT_THROW(construct(), Error);
+    options.outputs = {folder / "A.EXR"};
+    EXPECT_NO_THROW(construct());
+}
+
+TEST_F(Session, InterruptedBeforeTheFirstPassWritesNothing) {
+    const SessionResult result = run(std::make_unique<test::FakeIntegrator>(), [] { return true; });
+    EXPECT_EQ(result.reason, StopReason::Interrupted);
+    EXPECT_EQ(result.passes, 0u);
+    EXPECT_TRUE(fs::is_empty(folder));
+}
+
+TEST_F(Session, SavesWhileItRenders) {
+    options.saveEvery = 1e-9;
+    options.limits.passes = 2;
+    bool savedAfterFirstPass = false;
+    run(std::make_unique<test::FakeIntegrator>([&](uint32_t pass) {
+        if (pass == 1) savedAfterFirstPass = fs::exists(folder / "a.exr");
+        return 1.0f;
+    }));
+    EXPECT_TRUE(savedAfterFirstPass);
+}
+
+TEST_F(Session, RescuesTheImageWhenItsFolderVanishes) {
+    const fs::path before = fs::current_path();
+    const fs::path gone = folder / "gone", elsewhere = folder / "elsewhere";
+    fs::create_directories(gone);
+    fs::create_directories(elsewhere);
+    options.outputs = {gone / "a.exr"};
+    fs::current_path(elsewhere);
+    const SessionResult result = run(std::make_unique<test::FakeIntegrator>([&](uint32_t) {
+        fs::remove_all(gone);
+        return 1.0f;
+    }));
+    EXPECT_EQ(result.written.failures.size(), 1u);
+    EXPECT_EQ(readImage(elsewhere / "metrolux-rescue-a.exr", false).width, 20);
+    EXPECT_EQ(result.written.rescued.size(), 1u);
+    fs::current_path(before);
+}
+
+TEST(IntegratorForScene, MapsMitsubaTypes) {
+    EXPECT_EQ(integratorForScene("path"), "path");
+    EXPECT_EQ(integratorForScene("direct"), "path");
+    EXPECT_EQ(integratorForScene("ptracer"), "light");
+    EXPECT_EQ(integratorForScene("bdpt"), "bdpt");
+    EXPECT_THROW(integratorForScene("prb_reparam"), Error);
+}
+
+}  // namespace
+}  // namespace metrolux

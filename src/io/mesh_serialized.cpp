@@ -20,8 +20,7 @@ enum Flags : uint32_t {
     kHasTexCoords = 0x2,
     kHasColors = 0x8,
     kFaceNormals = 0x10,
-    kSinglePrecision = 0x1000,
-    kDoublePrecision = 0x2000,
+    kDoublePrecision = 0x2000,  // single without it, whether or not 0x1000 says so
 };
 
 constexpr uint16_t kMagic = 0x041C;
@@ -151,8 +150,6 @@ std::shared_ptr<TriangleMesh> readSerialized(const fs::path& path, int shapeInde
         }
     const auto vertexCount = in.read<uint64_t>(), faceCount = in.read<uint64_t>();
     const bool doublePrecision = (flags & kDoublePrecision) != 0;
-    if (doublePrecision == ((flags & kSinglePrecision) != 0))
-        throw Error("{}: flags {:#x} name no precision, or both", path.string(), flags);
     if (vertexCount > 0xFFFFFFFFu)
         throw Error("{}: {} vertices, at most 2^32-1 are supported", path.string(), vertexCount);
     in.expect(vertexCount, doublePrecision ? 24 : 12, "vertices");

@@ -3,7 +3,8 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
-#include <sstream>
+
+#include "image/tonemap.h"
 
 namespace metrolux::mitsuba {
 namespace {
@@ -26,10 +27,6 @@ std::string quoted(std::string_view text) {
 /// std::from_chars knows no plus sign.
 std::string_view withoutPlus(std::string_view text) {
     return text.size() > 1 && text[0] == '+' && text[1] != '-' && text[1] != '+' ? text.substr(1) : text;
-}
-
-float decodeSrgb(float value) {
-    return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
 }
 
 }  // namespace

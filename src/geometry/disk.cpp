@@ -52,6 +52,7 @@ class Disk final : public AnalyticShape {
         si.uv = Vec2f(static_cast<float>(r), static_cast<float>(v));
         const double cosPhi = r > 0 ? x / r : 1, sinPhi = r > 0 ? y / r : 0;
         si.dpdu = toFloat(toWorld_.vector({cosPhi, sinPhi, 0}));
+        // Mitsuba leaves out the factor 2 pi r here; bump maps depend on it.
         si.dpdv = toFloat(toWorld_.vector({-sinPhi, cosPhi, 0}));
         si.s = Frame::fromNormalAndTangent(si.ns, si.dpdu).s;
         si.shape = this;

@@ -3,6 +3,7 @@ add_library(metrolux_options INTERFACE)
 target_compile_features(metrolux_options INTERFACE cxx_std_20)
 target_compile_options(metrolux_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>  # false positives on Imath vectors in GCC 12
   -fno-math-errno -fno-trapping-math -ffp-contract=off)
 if(METROLUX_WERROR)
   target_compile_options(metrolux_options INTERFACE -Werror)

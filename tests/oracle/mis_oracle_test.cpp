@@ -31,7 +31,9 @@ std::shared_ptr<Scene> makeScene(Lighting lighting) {
     b.add(test::rectangle({0, 2, -3}, {0, 0, 1}, 4, 3), makeRoughConductor(metal));
     DielectricParameters glass;
     glass.eta = kGlassEta;
-    b.add(makeSphere(Transform(), {0.3f, 0.9f, 0}, 0.8f, false), makeDielectric(glass));
+    b.add(makeSphere(Transform(), {0.3f, 1.2f, 0}, 0.6f, false), makeDielectric(glass));
+    // Water above a part of the floor: an odd number of refractions, so that wrong factors do not cancel.
+    b.add(test::rectangle({3, 0.4f, 0}, {0, 1, 0}, 2, 4), makeDielectric(glass));
     b.add(makeSphere(Transform(), {-1.2f, 0.6f, 0.5f}, 0.5f, false), test::diffuse(0.5f));
     switch (lighting) {
         case Lighting::Area:
@@ -66,6 +68,7 @@ std::shared_ptr<Scene> makeScene(Lighting lighting) {
 struct FullPath {
     const Light* light = nullptr;
     bool infinite = false;
+    bool found = true;
     Vec3f toLight{0.0f};         ///< infinite lights: direction from x1
     SurfaceInteraction lightPoint;  ///< area lights
     Vec3f lightPosition{0.0f};
@@ -162,13 +165,18 @@ class BruteForce {
             const Vec3f d = b - a;
             if (d.length() < 0.3f) return false;
             const Vec3f w = normalize(d);
-            if (i > 0 && absDot(w, path.inner[i - 1].ng) < 0.2f) return false;
-            if (i < m && absDot(w, path.inner[i].ng) < 0.2f) return false;
+            if (i == 0 && !path.light->isDelta() && absDot(w, path.lightPoint.ng) < 0.2f) return false;
+            if (i > 0 && grazing(path.inner[i - 1], w)) return false;
+            if (i < m && grazing(path.inner[i], w)) return false;
         }
         return true;
     }
 
   private:
+    static bool grazing(const SurfaceInteraction& si, const Vec3f& w) {
+        return absDot(w, si.ng) < (si.shape->bsdf->hasSmoothLobe() ? 0.2f : 0.4f);
+    }
+
     EndpointDensities densities(const FullPath& path) const {
         if (path.infinite && !path.light->isDelta())
             return path.light->environmentDensities(path.inner[0].p, path.toLight);
@@ -250,7 +258,7 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
     std::map<std::string, std::vector<double>> deviations;
     double worstSum = 0;
     const auto check = [&](const std::string& name, int s, const FullPath& path, double weight) {
-        if (!oracle.wellConditioned(path)) return;
+        if (!path.found || !oracle.wellConditioned(path)) return;
         const auto weights = oracle.weights(path);
         double sum = 0;
         for (const auto& [key, w] : weights) sum += w;
@@ -277,8 +285,9 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
             path.lightPosition = first.si.p + first.toPrevious * first.distanceToPrevious;
             if (!path.infinite && !light->isDelta()) {
                 SurfaceInteraction si;
-                ASSERT_TRUE(scene.intersect({offsetRayOrigin(first.si.p, first.si.ng, first.toPrevious),
-                                             first.toPrevious, kInfinity}, si));
+                // A point on a sphere's silhouette may be missed by the rounded ray: such a path is left out.
+                path.found = scene.intersect({offsetRayOrigin(first.si.p, first.si.ng, first.toPrevious),
+                                              first.toPrevious, kInfinity}, si) && si.shape->emitter.get() == light;
                 path.lightPoint = si;
                 path.lightPosition = si.p;
             }

@@ -1,6 +1,7 @@
 #include "base/error.h"
 #include "io/mesh_io.h"
 
+#include <algorithm>
 #include <array>
 #include <istream>
 #include <streambuf>
@@ -13,37 +14,53 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// tinyobjloader reads what is no number as zero, and a missing coordinate too. This refuses such lines
-/// first.
-void checkLines(const fs::path& path, std::string_view text) {
+/// The next word of a line, which is shortened by it; empty at the end or at a comment.
+std::string_view nextWord(std::string_view& line) {
+    line.remove_prefix(std::min(line.find_first_not_of(" \t\r"), line.size()));
+    if (line.starts_with('#')) return {};
+    const std::string_view word = line.substr(0, line.find_first_of(" \t\r"));
+    line.remove_prefix(word.size());
+    return word;
+}
+
+/// v, v/vt, v//vn or v/vt/vn, each a number that fits into 32 bits.
+bool isCorner(std::string_view word) {
+    if (std::count(word.begin(), word.end(), '/') > 2) return false;
+    int digits = 0;
+    for (const char c : word) {
+        digits = c >= '0' && c <= '9' ? digits + 1 : 0;
+        if (digits > 9 || !(digits > 0 || c == '-' || c == '/')) return false;
+    }
+    return true;
+}
+
+/// tinyobjloader reads what is no number as zero, and a missing coordinate too: such lines are refused here.
+/// Comments after faces, which it takes for further vertices, are blanked.
+void checkLines(const fs::path& path, std::string& text) {
     size_t lineNumber = 0;
-    while (!text.empty()) {
-        const size_t end = text.find('\n');
-        std::string_view line = text.substr(0, end);
-        text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    for (size_t begin = 0; begin < text.size();) {
+        const size_t end = std::min(text.find('\n', begin), text.size());
+        std::string_view line(text.data() + begin, end - begin);
         ++lineNumber;
-        const auto nextToken = [&line] {
-            const size_t begin = std::min(line.find_first_not_of(" \t\r"), line.size());
-            line.remove_prefix(begin);
-            const std::string_view token = line.substr(0, line.find_first_of(" \t\r"));
-            line.remove_prefix(token.size());
-            return token;
-        };
-        const std::string_view keyword = nextToken();
+        const std::string_view keyword = nextWord(line);
         const bool face = keyword == "f";
         const size_t expected = keyword == "v" || keyword == "vn" || face ? 3 : keyword == "vt" ? 2 : 0;
-        if (expected == 0) continue;
         size_t count = 0;
-        for (std::string_view token = nextToken(); !token.empty() && token[0] != '#';
-             token = nextToken(), ++count) {
-            if (!face && count >= expected) break;  // weights and colours, which are not used
-            if (token.find_first_not_of(face ? "0123456789-/" : "0123456789+-.eE") != std::string_view::npos)
-                throw Error("{}:{}: \"{}\" is not {}", path.string(), lineNumber, token,
+        // What follows the coordinates, weights and colours, is not used.
+        for (; expected > 0 && (face || count < expected); ++count) {
+            const std::string_view word = nextWord(line);
+            if (word.empty()) break;
+            if (face ? !isCorner(word) : word.find_first_not_of("0123456789+-.eE") != std::string_view::npos)
+                throw Error("{}:{}: \"{}\" is not {}", path.string(), lineNumber, word,
                             face ? "a vertex of a face (v, v/vt, v//vn or v/vt/vn)" : "a number");
         }
         if (count < expected)
             throw Error("{}:{}: \"{}\" with {} values, expected {}{}", path.string(), lineNumber, keyword,
                         count, face ? "at least " : "", expected);
+        if (face)
+            std::fill(text.begin() + static_cast<std::ptrdiff_t>(end - line.size()),
+                      text.begin() + static_cast<std::ptrdiff_t>(end), ' ');
+        begin = end + 1;
     }
 }
 

@@ -7,9 +7,11 @@ class Checkerboard final : public Texture {
   public:
     explicit Checkerboard(const CheckerboardParameters& parameters) : p_(parameters) {}
 
-    Rgb rgb(const SurfaceInteraction& si) const override { return at(si).rgb(si); }
-    float scalar(const SurfaceInteraction& si) const override { return at(si).scalar(si); }
-    Vec2f gradient(const SurfaceInteraction& si) const override { return at(si).gradient(si); }
+    Rgb rgb(const SurfaceInteraction& si) const override {
+        return (onDiagonal(si) ? *p_.color0 : *p_.color1).rgb(si);
+    }
+    float scalar(const SurfaceInteraction& si) const override { return scalarAt(si).scalar(si); }
+    Vec2f gradient(const SurfaceInteraction& si) const override { return scalarAt(si).gradient(si); }
     Rgb mean() const override { return (p_.color0->mean() + p_.color1->mean()) * 0.5f; }
     Vec2i resolution() const override {
         // The map may repeat the pattern: four texels for each square that the unit square sees.
@@ -22,10 +24,14 @@ class Checkerboard final : public Texture {
     }
 
   private:
-    const Texture& at(const SurfaceInteraction& si) const {
+    bool onDiagonal(const SurfaceInteraction& si) const {
         const Vec2f uv = p_.toUv(si.uv);
         const bool right = uv.x - std::floor(uv.x) > 0.5f, upper = uv.y - std::floor(uv.y) > 0.5f;
-        return right == upper ? *p_.color0 : *p_.color1;
+        return right == upper;
+    }
+    /// Mitsuba 3 exchanges the two when it looks up a scalar, and scenes are made to look right there.
+    const Texture& scalarAt(const SurfaceInteraction& si) const {
+        return onDiagonal(si) ? *p_.color1 : *p_.color0;
     }
     CheckerboardParameters p_;
 };

@@ -158,7 +158,7 @@ TEST(TextureProperties, ValuesOfAllKinds) {
     EXPECT_EQ(context.warnings.size(), 1u) << "and that is said";
     EXPECT_EQ(emissionProperty(e, "rgb", context, Rgb(0.3f))->rgb(si), Rgb(0.1f, 0.2f, 2.0f));
     EXPECT_EQ(unboundedColor(e, "rgb", context, Rgb(0.3f)), Rgb(0.1f, 0.2f, 2.0f));
-    EXPECT_EQ(scalarTextureProperty(e, "texture", context, 0.3f)->scalar(si), 0);
+    EXPECT_EQ(scalarTextureProperty(e, "texture", context, 0.3f)->scalar(si), 1);
     EXPECT_THROW(textureProperty(e, "text", context, Rgb(0.3f)), Error);
     EXPECT_THROW(unboundedColor(e, "texture", context, Rgb(0.3f)), Error);
 }

@@ -81,6 +81,7 @@ TEST(Checkerboard, Squares) {
     EXPECT_EQ(t->rgb(flatInteraction({0.7f, 0.2f})), Rgb(0, 1, 0));
     EXPECT_EQ(t->rgb(flatInteraction({0.7f, -0.2f})), Rgb(1, 0, 0));
     EXPECT_EQ(t->mean(), Rgb(0.5f, 0.5f, 0));
+    EXPECT_FLOAT_EQ(at(t, 0.2f, 0.2f), luminance(Rgb(0, 1, 0))) << "scalars: exchanged, as in Mitsuba";
     p.toUv.m[0][0] = p.toUv.m[1][1] = 10;
     EXPECT_EQ(makeCheckerboard(p)->rgb(flatInteraction({0.07f, 0.02f})), Rgb(0, 1, 0));
 }

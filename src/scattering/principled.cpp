@@ -50,7 +50,6 @@ class Principled final : public Bsdf {
         if (x < diffuse) return finishSmooth(si, known, warp::squareToCosineHemisphere(u), mode);
         x -= diffuse;
         Vec3f direction;
-        float eta = 1;
         if (x < coat) {
             direction = reflectAbout(known, Clearcoat(clearcoatGloss_(si)).sample(u));
         } else {
@@ -66,7 +65,7 @@ class Principled final : public Bsdf {
             direction = reflectAbout(known, m);
         }
         if (!(known.z * direction.z > 0)) return std::nullopt;
-        return finishSmooth(si, known, direction, mode, eta);
+        return finishSmooth(si, known, direction, mode);
     }
 
     BsdfEvaluation evaluate(const SurfaceInteraction& si, const Vec3f& wEye,

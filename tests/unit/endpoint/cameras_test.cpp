@@ -1,0 +1,244 @@
+/// Cameras: sampled rays, connections and their densities are those of one map from the film to directions;
+/// Mitsuba 3's orientation, field of view, crop window and principal point.
+
+#include "base/error.h"
+#include "base/frame.h"
+#include "chi_square.h"
+#include "endpoint/camera.h"
+
+namespace metrolux {
+namespace {
+
+using test::chiSquare;
+using test::expectClose;
+
+struct CameraCase {
+    PerspectiveParameters parameters;
+    FilmWindow window;
+};
+
+std::vector<CameraCase> perspectiveCases() {
+    std::vector<CameraCase> cases;
+    const FilmWindow landscape{640, 360, 0, 0, 640, 360}, portrait{300, 500, 0, 0, 300, 500};
+    const FilmWindow crop{640, 360, 100, 50, 200, 120};
+    for (const FovAxis axis : {FovAxis::X, FovAxis::Y, FovAxis::Diagonal, FovAxis::Smaller, FovAxis::Larger})
+        for (const FilmWindow& window : {landscape, portrait, crop})
+            for (const float aperture : {0.0f, 0.3f}) {
+                CameraCase c;
+                c.parameters.toWorld = Transform::lookAt({1, 2, 3}, {0.4f, -0.3f, 0.2f}, {0.1f, 1, 0.3f});
+                c.parameters.fov = 55;
+                c.parameters.axis = axis;
+                c.parameters.nearClip = 0.5f;
+                c.parameters.apertureRadius = aperture;
+                c.parameters.focusDistance = 4;
+                if (axis == FovAxis::Diagonal) {
+                    c.parameters.principalOffsetX = 0.1f;
+                    c.parameters.principalOffsetY = -0.2f;
+                }
+                c.window = window;
+                cases.push_back(c);
+            }
+    cases.push_back(cases.front());  // mirrored, as some exporters write
+    cases.back().parameters.toWorld = cases.back().parameters.toWorld * Transform::scale({-1, 1, 1});
+    return cases;
+}
+
+Vec2f rasterIn(const FilmWindow& w, const Vec2f& u) {
+    return {static_cast<float>(w.x) + u.x * static_cast<float>(w.width),
+            static_cast<float>(w.y) + u.y * static_cast<float>(w.height)};
+}
+
+/// For all cameras: a point on a sampled ray connects back to the same raster position with the same
+/// densities.
+void checkRoundTrip(const Camera& camera, uint64_t seed) {
+    CounterRng rng(seed);
+    const float pixels = static_cast<float>(camera.window().pixelCount());
+    for (int i = 0; i < 500; ++i) {
+        const Vec2f uLens = rng.next2D(), raster = rasterIn(camera.window(), rng.next2D());
+        const std::optional<EndpointRay> ray = camera.sampleRay(uLens, raster);
+        ASSERT_TRUE(ray);
+        EXPECT_NEAR(ray->direction.length(), 1, 1e-5);
+        EXPECT_EQ(ray->weight, Rgb(1.0f));
+        EXPECT_EQ(ray->cosine, 1);
+        EXPECT_EQ(ray->ng, Vec3f(0.0f));
+        const Vec3f x = ray->origin + ray->direction * (0.01f + 6 * rng.next1D());
+        const std::optional<EndpointConnection> c = camera.connect(x, uLens);
+        if (!c) {  // rounding at the border
+            const Vec2f size(static_cast<float>(camera.window().fullWidth),
+                             static_cast<float>(camera.window().fullHeight));
+            EXPECT_TRUE(raster.x < 0.01f || raster.y < 0.01f || raster.x > size.x - 0.01f ||
+                        raster.y > size.y - 0.01f);
+            continue;
+        }
+        EXPECT_NEAR(c->filmPosition.x, raster.x, 0.02);
+        EXPECT_NEAR(c->filmPosition.y, raster.y, 0.02);
+        EXPECT_NEAR((c->wi + ray->direction).length(), 0, 1e-4);
+        EXPECT_NEAR((c->point - ray->origin).length(), 0, 1e-4 * (1 + x.length()))
+            << "visibility ends where the ray begins";
+        expectClose(c->pdfPosition, ray->pdfPosition, 1e-5, "density of the position");
+        expectClose(c->pdfDirection, ray->pdfDirection, 1e-3, "density of the direction");
+        EXPECT_EQ(c->pdf, 1);
+        EXPECT_EQ(c->cosine, 1);
+        EXPECT_EQ(c->value.x, c->value.y);
+        EXPECT_EQ(c->value.x, c->value.z);
+        if (camera.isInfinite()) {
+            expectClose(c->value.x, c->pdfPosition * pixels, 1e-5, "value");
+        } else {
+            const Vec3f center = camera.projectionCenter(ray->origin, ray->direction);
+            expectClose(c->distance, (x - center).length(), 1e-4, "distance from the lens");
+            expectClose(c->value.x * sqr(c->distance), c->pdfDirection * pixels, 1e-5, "value");
+        }
+    }
+}
+
+TEST(PerspectiveCamera, connectionsFindTheRastersOfRays) {
+    uint64_t seed = 1;
+    for (const CameraCase& c : perspectiveCases())
+        checkRoundTrip(*makePerspectiveCamera(c.parameters, c.window), ++seed);
+}
+
+/// The density of directions against the directions themselves, on the plane at distance 1, whose extent is
+/// computed here from the field of view alone.
+TEST(PerspectiveCamera, directionsHaveTheirDensity) {
+    uint64_t seed = 50;
+    for (const CameraCase& c : perspectiveCases()) {
+        if (c.parameters.toWorld.determinant3() < 0) continue;
+        const CameraPtr camera = makePerspectiveCamera(c.parameters, c.window);
+        const double w = c.window.fullWidth, h = c.window.fullHeight,
+                     t = std::tan(55.0 / 360 * std::numbers::pi);
+        const double side = c.parameters.axis == FovAxis::X          ? w
+                            : c.parameters.axis == FovAxis::Y        ? h
+                            : c.parameters.axis == FovAxis::Diagonal ? std::hypot(w, h)
+                            : c.parameters.axis == FovAxis::Smaller  ? std::min(w, h)
+                                                                     : std::max(w, h);
+        const float pixel = static_cast<float>(2 * t / side);
+        const Transform m = c.parameters.toWorld;
+        const Frame axes{m.vector({1, 0, 0}), m.vector({0, 1, 0}), m.vector({0, 0, 1})};
+        const Vec2f uLens(0.31f, 0.85f);
+        const Vec3f lens = camera->projectionCenter(camera->sampleRay(uLens, {0, 0})->origin,
+                                                    camera->sampleRay(uLens, {0, 0})->direction);
+        const Vec3f offset = axes.toLocal(lens - camera->position());
+        // Where the middle of the image lies on the plane at distance 1 in front of the lens point.
+        const float x0 = static_cast<float>(-c.parameters.principalOffsetX * w) * pixel - offset.x / 4;
+        const float y0 = static_cast<float>(-c.parameters.principalOffsetY * h) * pixel - offset.y / 4;
+        const FilmWindow& f = c.window;
+        const float left = x0 + pixel * static_cast<float>(w / 2 - f.x),
+                    top = y0 + pixel * static_cast<float>(h / 2 - f.y);
+        const float width = pixel * static_cast<float>(f.width),
+                    height = pixel * static_cast<float>(f.height);
+        chiSquare(
+            [&](CounterRng& rng) -> std::optional<Vec2f> {
+                const Vec3f d = axes.toLocal(camera->sampleRay(uLens, rasterIn(f, rng.next2D()))->direction);
+                return Vec2f((left - d.x / d.z) / width, (top - d.y / d.z) / height);
+            },
+            [&](const Vec2f& p) {
+                const Vec3f d(left - p.x * width, top - p.y * height, 1);
+                const auto e = camera->connect(lens + axes.toWorld(d) * 3.0f, uLens);
+                const float cosine = 1 / d.length();
+                return e ? double(e->pdfDirection) * width * height * cosine * cosine * cosine : 0.0;
+            },
+            ++seed, {.samples = 20000, .quadrature = 4});
+    }
+}
+
+TEST(PerspectiveCamera, orientationAndFieldOfView) {
+    PerspectiveParameters p;
+    p.toWorld = Transform::lookAt({0, 0, 0}, {0, 0, 1}, {0, 1, 0});
+    p.fov = 90;
+    const FilmWindow window{400, 200, 0, 0, 400, 200};
+    const auto direction = [&](const Vec2f& raster) {
+        const Vec3f d = makePerspectiveCamera(p, window)->sampleRay({}, raster)->direction;
+        return d * (1 / d.z);
+    };
+    // Raster x grows to the right of the image, where camera x falls; raster y grows downward.
+    EXPECT_NEAR((direction({0, 0}) - Vec3f(1, 0.5f, 1)).length(), 0, 1e-5);
+    EXPECT_NEAR((direction({400, 200}) - Vec3f(-1, -0.5f, 1)).length(), 0, 1e-5);
+    EXPECT_NEAR((direction({200, 100}) - Vec3f(0, 0, 1)).length(), 0, 1e-5);
+    // Mitsuba adds the principal point's offset to the position on the film.
+    p.principalOffsetX = 0.25f;
+    EXPECT_NEAR(direction({100, 100}).x, 0, 1e-5);
+    p.principalOffsetX = 0;
+    p.axis = FovAxis::Y;
+    EXPECT_NEAR(direction({200, 0}).y, 1, 1e-5);
+    EXPECT_NEAR(perspectiveHalfWidth(46.792f, FovAxis::Diagonal, 1.5f), 36.0 / 2 / 50,
+                1e-4);  // 50 mm on 36 x 24
+    EXPECT_THROW(perspectiveHalfWidth(180, FovAxis::X, 1), Error);
+}
+
+TEST(PerspectiveCamera, whatLiesOutside) {
+    PerspectiveParameters p;
+    p.toWorld = Transform::lookAt({0, 0, 0}, {0, 0, 1}, {0, 1, 0});
+    p.fov = 90;
+    p.nearClip = 0.5f;
+    const CameraPtr camera = makePerspectiveCamera(p, {400, 200, 100, 50, 40, 20});
+    EXPECT_TRUE(camera->connect({0, 0, 2}, {})) << "outside the crop window, but within the image";
+    EXPECT_FALSE(camera->connect({2.1f, 0, 2}, {})) << "outside the image";
+    EXPECT_FALSE(camera->connect({0, 1.1f, 2}, {})) << "outside the image";
+    EXPECT_FALSE(camera->connect({0, 0, -2}, {})) << "behind";
+    EXPECT_FALSE(camera->connect({0.1f, 0, 0.49f}, {})) << "before the near clipping plane";
+    EXPECT_TRUE(camera->connect({0.1f, 0, 0.51f}, {}));
+    EXPECT_NEAR(camera->pixelFootprint(3), 3 * 2.0 / 400, 1e-6);
+    EXPECT_THROW(makePerspectiveCamera(p, {400, 200, 0, 0, 0, 20}), Error);
+    p.apertureRadius = -1;
+    EXPECT_THROW(makePerspectiveCamera(p, {400, 200, 0, 0, 40, 20}), Error);
+}
+
+TEST(ThinLens, focusesAndCoversItsLens) {
+    PerspectiveParameters p;
+    p.toWorld = Transform::lookAt({1, 2, 3}, {0.4f, -0.3f, 0.2f}, {0.1f, 1, 0.3f});
+    p.apertureRadius = 0.3f;
+    p.focusDistance = 4;
+    const CameraPtr camera = makePerspectiveCamera(p, {640, 360, 0, 0, 640, 360});
+    p.apertureRadius = 0;
+    const CameraPtr pinhole = makePerspectiveCamera(p, {640, 360, 0, 0, 640, 360});
+    const Vec3f axis = p.toWorld.vector({0, 0, 1});
+    CounterRng rng(5);
+    for (int i = 0; i < 100; ++i) {
+        const Vec2f raster(640 * rng.next1D(), 360 * rng.next1D());
+        const auto a = pinhole->sampleRay({}, raster), b = camera->sampleRay(rng.next2D(), raster);
+        const auto atFocus = [&](const EndpointRay& r) {
+            const float depth = dot(r.origin - camera->position(), axis);
+            return r.origin + r.direction * ((4 - depth) / dot(r.direction, axis));
+        };
+        EXPECT_NEAR((atFocus(*a) - atFocus(*b)).length(), 0, 1e-4);
+    }
+    const Frame axes{p.toWorld.vector({1, 0, 0}), p.toWorld.vector({0, 1, 0}), axis};
+    chiSquare(
+        [&](CounterRng& random) -> std::optional<Vec2f> {
+            const auto ray = camera->sampleRay(random.next2D(), {200, 100});
+            const Vec3f lens =
+                axes.toLocal(camera->projectionCenter(ray->origin, ray->direction) - camera->position());
+            EXPECT_NEAR(lens.z, 0, 1e-5);
+            const float turns = std::atan2(lens.y, lens.x) / (2 * kPi);
+            return Vec2f((lens.x * lens.x + lens.y * lens.y) / 0.09f, turns < 0 ? turns + 1 : turns);
+        },
+        [&](const Vec2f&) {
+            return double(camera->sampleRay({}, {200, 100})->pdfPosition) * kPi * 0.09;
+        },
+        99);
+}
+
+TEST(OrthographicCamera, roundTripAndScale) {
+    OrthographicParameters p;
+    p.toWorld =
+        Transform::lookAt({1, 2, 3}, {0.4f, -0.3f, 0.2f}, {0.1f, 1, 0.3f}) * Transform::scale({3, 3, 1});
+    p.nearClip = 0.1f;
+    checkRoundTrip(*makeOrthographicCamera(p, {640, 360, 0, 0, 640, 360}), 7);
+    checkRoundTrip(*makeOrthographicCamera(p, {640, 360, 100, 50, 200, 120}), 8);
+
+    // The film covers x from 1 to -1; a pixel of 400 across is 1/200 wide.
+    p.toWorld = Transform();
+    const CameraPtr camera = makeOrthographicCamera(p, {400, 200, 0, 0, 400, 200});
+    const auto ray = camera->sampleRay({}, {0, 0});
+    EXPECT_NEAR((ray->origin - Vec3f(1, 0.5f, 0.1f)).length(), 0, 1e-5);
+    EXPECT_NEAR((ray->direction - Vec3f(0, 0, 1)).length(), 0, 1e-6);
+    EXPECT_NEAR(ray->pdfPosition, 1 / 2.0, 1e-5) << "the film's area is 2";
+    EXPECT_NEAR(camera->connect({0, 0, 5}, {})->value.x, 200 * 200, 1);
+    EXPECT_FALSE(camera->connect({1.1f, 0, 5}, {}));
+    EXPECT_FALSE(camera->connect({0, 0, 0.05f}, {}));
+    EXPECT_NEAR(camera->pixelFootprint(100), 1 / 200.0, 1e-6);
+    EXPECT_TRUE(camera->isInfinite());
+}
+
+}  // namespace
+}  // namespace metrolux

@@ -1,4 +1,5 @@
 #include "app/commands.h"
+#include "app/validators.h"
 #include "image/compare.h"
 
 #include <fmt/format.h>
@@ -72,11 +73,13 @@ Run addCompareCommand(CLI::App& parent) {
     app->add_option("image", a->image, "Image to judge")->required();
     app->add_option("reference", a->reference, "Image that is taken as right")->required();
     app->add_option(
-        "--heatmap", a->heatMap,
-        "PNG of the relative error of each pixel: black 0.001, blue, violet, orange, yellow, white 1");
-    app->add_option("--epsilon", a->epsilon, "Of relMSE: keeps black pixels from counting without limit")
-        ->capture_default_str()
-        ->check(CLI::PositiveNumber);
+           "--heatmap", a->heatMap,
+           "PNG of the relative error of each pixel:\nblack 0.001, blue, violet, orange, yellow, white 1")
+        ->option_text("FILE");
+    app->add_option("--epsilon", a->epsilon,
+                    "Of relMSE: keeps black pixels from counting without limit (default: 0.01)")
+        ->option_text("X")
+        ->check(realNumber(false));
     app->add_flag("--json", a->json, "Print JSON");
     return [a] { return compare(*a); };
 }

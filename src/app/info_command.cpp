@@ -133,7 +133,8 @@ Run addInfoCommand(CLI::App& parent) {
     app->footer(kInfoExamples);
     auto a = std::make_shared<InfoArguments>();
     app->add_option("scene", a->scene, "Mitsuba scene (XML)")->required();
-    app->add_option("-D,--define", a->defines, "name=value of a <default> or $parameter of the scene")
+    app->add_option("-D,--define", a->defines, "Value for a <default> or $parameter of the scene")
+        ->option_text("NAME=VALUE")
         ->allow_extra_args(false);
     app->add_flag("--lenient", a->lenient,
                   "Warn of unknown plugins and parameters instead of refusing the scene");

@@ -8,6 +8,7 @@
 
 #include <cstdio>
 #include <new>
+#include <sstream>
 
 namespace metrolux::app {
 namespace {
@@ -30,25 +31,33 @@ struct Command {
     Run run;
 };
 
-/// Text after an error of the options: the option that was probably meant.
+/// The word that an error about unexpected arguments is most likely about: an option before anything else.
+std::string unexpectedWord(const CLI::ExtrasError& error) {
+    const std::string message = error.what();
+    const size_t colon = message.rfind(": ");
+    std::istringstream words(colon == std::string::npos ? message : message.substr(colon + 2));
+    std::string first, word;
+    while (words >> word) {
+        if (word.front() == '-') return word.substr(0, word.find('='));
+        if (first.empty()) first = word;
+    }
+    return first;
+}
+
+/// Text after an error of the options: what was probably meant, and where help is.
 std::string hintFor(const CLI::ParseError& error, const CLI::App& root, const CLI::App* command) {
-    const CLI::App& app = command != nullptr ? *command : root;
-    std::string hint;
     std::vector<std::string> candidates;
     if (command == nullptr)
         for (const CLI::App* sub : root.get_subcommands([](const CLI::App*) { return true; }))
             candidates.push_back(sub->get_name());
-    for (const CLI::Option* option : app.get_options())
+    for (const CLI::Option* option : (command != nullptr ? *command : root).get_options())
         for (const std::string& name : option->get_lnames()) candidates.push_back("--" + name);
+    std::string hint;
     if (const auto* extras = dynamic_cast<const CLI::ExtrasError*>(&error)) {
-        const std::string message = extras->what();
-        const size_t colon = message.rfind(": ");
-        const std::string word = colon == std::string::npos ? message : message.substr(colon + 2);
-        const std::string nearest = nearestName(word.substr(0, word.find_first_of("= ")), candidates);
+        const std::string nearest = nearestName(unexpectedWord(*extras), candidates);
         if (!nearest.empty()) hint = fmt::format("Did you mean {}? ", nearest);
     }
-    const std::string name = command != nullptr ? "metrolux " + command->get_name() : "metrolux";
-    return fmt::format("{}See {} --help", hint, name);
+    return fmt::format("{}See metrolux {}--help", hint, command != nullptr ? command->get_name() + " " : "");
 }
 
 int runCommandLine(int argc, char** argv) {

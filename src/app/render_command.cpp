@@ -1,6 +1,7 @@
 #include "app/commands.h"
 #include "app/interrupt.h"
 #include "app/option_parsing.h"
+#include "app/validators.h"
 #include "base/error.h"
 #include "base/suggest.h"
 #include "image/atomic_file.h"
@@ -37,90 +38,117 @@ struct RenderArguments {
     bool lenient = false, quiet = false;
 };
 
-void addOptions(CLI::App& app, RenderArguments& a) {
-    IntegratorOptions& integrator = a.session.integratorOptions;
-    app.add_option("scene", a.scene, "Mitsuba scene, XML of version 3.x, 2.x, 0.6 or 0.5")->required();
-    const char* const output = "Output";
+void addOutputOptions(CLI::App& app, RenderArguments& a) {
+    const char* const group = "Output";
     app.add_option("-o,--output", a.outputs,
-                   "Image to write, .exr or .png; may be given more than once (default: the "
-                   "name of the scene with .exr, in the current folder)")
+                   "Image to write, .exr or .png; may be given more than once\n(default: name of the scene "
+                   "with .exr, in "
+                   "the current folder)")
+        ->option_text("FILE")
         ->allow_extra_args(false)
-        ->group(output);
-    app.add_option("--exposure", a.session.display.exposure, "Stops of exposure for PNG")
-        ->capture_default_str()
+        ->group(group);
+    app.add_option("--exposure", a.session.display.exposure, "Exposure of PNG files in stops (default: 0)")
+        ->option_text("EV")
         ->check(CLI::Range(-100.0, 100.0))
-        ->group(output);
-    app.add_option("--curve", a.curve, "Tone curve for PNG: srgb (clips) or filmic (rolls off highlights)")
-        ->capture_default_str()
+        ->group(group);
+    app.add_option("--curve", a.curve,
+                   "Tone curve of PNG files: srgb clips (default), filmic rolls off highlights")
+        ->option_text("srgb|filmic")
         ->check(CLI::IsMember({"srgb", "filmic"}))
-        ->group(output);
-    app.add_option("--aov", a.aovs, "Layers to add to EXR files: albedo, normal, depth, variance")
+        ->group(group);
+    app.add_option("--aov", a.aovs, "Layers to add to EXR files, of albedo, normal, depth, variance")
+        ->option_text("NAME,...")
         ->delimiter(',')
         ->allow_extra_args(false)
-        ->group(output);
-    app.add_option("--stats", a.stats, "JSON file for statistics")->group(output);
+        ->group(group);
+    app.add_option("--stats", a.stats, "JSON file for statistics")->option_text("FILE")->group(group);
     app.add_option("--save-every", a.session.saveEvery,
-                   "Seconds between saves of the image so far; 0: only at the end")
-        ->capture_default_str()
-        ->check(CLI::NonNegativeNumber)
-        ->group(output);
-    app.add_flag("--quiet", a.quiet, "Show errors and warnings only")->group(output);
+                   "Seconds between saves of the image so far (default: 60; 0: only at the end)")
+        ->option_text("SECONDS")
+        ->check(realNumber(true))
+        ->group(group);
+    app.add_flag("--quiet", a.quiet, "Show errors and warnings only")->group(group);
+}
 
-    const char* const limits = "When to stop (whichever comes first; without any: --time 60s)";
+void addLimitOptions(CLI::App& app, RenderArguments& a) {
+    const char* const group = "When to stop (whichever comes first; without any: --time 60s)";
     app.add_option("--time", a.time, "Time to render for: 90s, 5m, 1h30m; loading is not counted")
-        ->group(limits);
+        ->option_text("TIME")
+        ->group(group);
     app.add_option("--passes", a.session.limits.passes, "Number of passes")
-        ->check(CLI::PositiveNumber)
-        ->group(limits);
+        ->option_text("N")
+        ->check(wholeNumber<uint32_t>(1, std::numeric_limits<uint32_t>::max()))
+        ->group(group);
     app.add_option("--error", a.session.limits.relativeError,
-                   "Estimated relative error of the image (root mean square, 0.02 is 2 %)")
-        ->check(CLI::PositiveNumber)
-        ->group(limits);
+                   "Estimated relative error of the image (root mean square; 0.02 is 2 %)")
+        ->option_text("X")
+        ->check(realNumber(false))
+        ->group(group);
+}
 
-    const char* const scene = "Scene";
-    app.add_option("-D,--define", a.defines, "name=value of a <default> or $parameter of the scene")
+void addSceneOptions(CLI::App& app, RenderArguments& a) {
+    const char* const group = "Scene";
+    app.add_option("scene", a.scene, "Mitsuba scene: XML of version 3.x, 2.x, 0.6 or 0.5")->required();
+    app.add_option("-D,--define", a.defines, "Value for a <default> or $parameter of the scene")
+        ->option_text("NAME=VALUE")
         ->allow_extra_args(false)
-        ->group(scene);
-    app.add_option("--resolution", a.resolution, "WIDTHxHEIGHT in place of the scene's")->group(scene);
-    app.add_option("--crop", a.crop, "x,y,width,height: render this part of the image only")->group(scene);
+        ->group(group);
+    app.add_option("--resolution", a.resolution, "Size of the image in place of the scene's")
+        ->option_text("WIDTHxHEIGHT")
+        ->group(group);
+    app.add_option("--crop", a.crop, "Render this part of the image only, in pixels")
+        ->option_text("X,Y,WIDTH,HEIGHT")
+        ->group(group);
     app.add_flag("--lenient", a.lenient,
                  "Warn of unknown plugins and parameters instead of refusing the scene")
-        ->group(scene);
+        ->group(group);
+}
 
-    const char* const algorithm = "Algorithm";
+void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
+    const char* const group = "Algorithm";
+    IntegratorOptions& integrator = a.session.integratorOptions;
     app.add_option("-i,--integrator", a.session.integrator,
-                   "Name from `metrolux integrators`, or `scene` for what the scene names")
-        ->capture_default_str()
-        ->group(algorithm);
+                   "One of `metrolux integrators`, or `scene` for what the scene names (default: mcmc_vcm)")
+        ->option_text("NAME")
+        ->group(group);
     app.add_option("--max-depth", a.maxDepth,
-                   "Largest number of path edges, -1 for no limit (default: the scene's)")
-        ->check(CLI::Range(-1, 1 << 20))
-        ->group(algorithm);
-    app.add_option("--seed", integrator.seed, "Seed of all random numbers")
-        ->capture_default_str()
-        ->group(algorithm);
+                   "Largest number of path edges; -1: no limit (default: the scene's)")
+        ->option_text("N")
+        ->check(wholeNumber(-1, 1 << 20))
+        ->group(group);
+    app.add_option("--seed", integrator.seed, "Seed of all random numbers (default: 0)")
+        ->option_text("K")
+        ->check(wholeNumber<uint64_t>(0, std::numeric_limits<uint64_t>::max()))
+        ->group(group);
     app.add_option("--radius", integrator.radius,
                    "First merging radius in scene units (default: from the pixel size)")
-        ->check(CLI::PositiveNumber)
-        ->group(algorithm);
+        ->option_text("R")
+        ->check(realNumber(false))
+        ->group(group);
     app.add_option("--replicas", integrator.replicas,
-                   "mcmc_vcm: chains that take part, of u (uniform), v (visibility), f (contribution)")
-        ->capture_default_str()
-        ->group(algorithm);
+                   "mcmc_vcm: chains that take part, of u (uniform), v (visibility) and f\n(contribution) "
+                   "(default: uvf)")
+        ->option_text("uvf")
+        ->group(group);
     app.add_flag("--kelemen", integrator.kelemenKernel,
                  "mcmc_vcm: Kelemen's mutation instead of the adaptive one")
-        ->group(algorithm);
+        ->group(group);
     app.add_option("--lanes", integrator.lanes, "mcmc_vcm: number of independent sets of chains")
-        ->check(CLI::PositiveNumber)
-        ->group(algorithm);
+        ->option_text("N")
+        ->check(wholeNumber(1, 1 << 20))
+        ->group(group);
+}
 
-    const char* const machine = "Machine";
+void addMachineOptions(CLI::App& app, RenderArguments& a) {
+    const char* const group = "Machine";
     app.add_option("--threads", a.threads, "Number of threads (default: one for each core)")
-        ->check(CLI::Range(1, 4096))
-        ->group(machine);
+        ->option_text("T")
+        ->check(wholeNumber(1, 4096))
+        ->group(group);
     app.add_option("--memory", a.memory,
                    "What a pass may store: 4G, 512M (default: half of the machine's memory)")
-        ->group(machine);
+        ->option_text("SIZE")
+        ->group(group);
 }
 
 size_t halfOfPhysicalMemory() {
@@ -237,7 +265,11 @@ Run addRenderCommand(CLI::App& parent) {
     CLI::App* app = parent.add_subcommand("render", "Render a scene to image files");
     app->footer(kExamples);
     auto arguments = std::make_shared<RenderArguments>();
-    addOptions(*app, *arguments);
+    addSceneOptions(*app, *arguments);
+    addOutputOptions(*app, *arguments);
+    addLimitOptions(*app, *arguments);
+    addAlgorithmOptions(*app, *arguments);
+    addMachineOptions(*app, *arguments);
     return [arguments, app] { return render(*arguments, *app); };
 }
 

@@ -13,10 +13,10 @@
 namespace metrolux {
 namespace {
 
-double peakMemoryBytes() {
+uint64_t peakMemoryBytes() {
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
-    return 1024.0 * static_cast<double>(usage.ru_maxrss);
+    return uint64_t{1024} * static_cast<uint64_t>(usage.ru_maxrss);
 }
 
 uint64_t raysTraced() {

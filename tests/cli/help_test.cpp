@@ -1,0 +1,125 @@
+#include "command.h"
+
+#include <gmock/gmock.h>
+
+namespace metrolux::cli {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST_F(CliTest, HelpTeachesWithExamples) {
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"--help"}, {"render", "--help"}, {"compare", "--help"}, {"info", "-h"}}) {
+        const Outcome outcome = run(command);
+        EXPECT_EQ(outcome.status, 0) << command[0];
+        EXPECT_THAT(outcome.out, HasSubstr("Examples:\n  metrolux ")) << command[0];
+        EXPECT_THAT(outcome.err, IsEmpty()) << command[0];
+    }
+    EXPECT_EQ(run({"integrators", "--help"}).status, 0);
+}
+
+TEST_F(CliTest, VersionIsPrinted) {
+    const Outcome outcome = run({"--version"});
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.out, testing::MatchesRegex("metrolux [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+}
+
+TEST_F(CliTest, WithoutACommandItShowsHelpAndFails) {
+    const Outcome outcome = run({});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("render"));
+}
+
+TEST_F(CliTest, IntegratorsAreListed) {
+    const Outcome outcome = run({"integrators"});
+    EXPECT_EQ(outcome.status, 0);
+    for (const char* name : {"mcmc_vcm", "vcm", "bdpt", "path", "light"})
+        EXPECT_THAT(outcome.out, HasSubstr(name));
+}
+
+TEST_F(CliTest, InfoShowsWhatWasUnderstood) {
+    const Outcome outcome = run({"info", "scene.xml", "-D", "width=40"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    for (const char* text :
+         {"40x16 pixels", "gaussian", "path", "at most 8 edges", "4 ", "AreaLight", "Dielectric"})
+        EXPECT_THAT(outcome.out, HasSubstr(text));
+}
+
+TEST_F(CliTest, WrongOptionsFailWithStatus2AndSayWhatIsWrong) {
+    const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+        {{"rendr", "scene.xml"}, "Did you mean render?"},
+        {{"render"}, "scene"},
+        {{"render", "scene.xml", "--tme", "5s"}, "Did you mean --time?"},
+        {{"render", "scene.xml", "--time", "5x"}, "5x"},
+        {{"render", "scene.xml", "--time", "0"}, "longer than zero"},
+        {{"render", "scene.xml", "--passes", "-3"}, "--passes: '-3'"},
+        {{"render", "scene.xml", "--passes", "many"}, "--passes: 'many'"},
+        {{"render", "scene.xml", "--error", "nan"}, "--error: 'nan'"},
+        {{"render", "scene.xml", "--seed", "-1"}, "--seed: '-1'"},
+        {{"render", "scene.xml", "--threads", "0"}, "--threads: '0'"},
+        {{"render", "scene.xml", "--resolution", "12"}, "WIDTHxHEIGHT"},
+        {{"render", "scene.xml", "--resolution", "99999999x99999999"}, "65536"},
+        {{"render", "scene.xml", "--crop", "1,2,3"}, "x,y,width,height"},
+        {{"render", "scene.xml", "--crop", "20,0,10,10", "--passes", "1"}, "crop"},
+        {{"render", "scene.xml", "--memory", "4X"}, "4X"},
+        {{"render", "scene.xml", "--curve", "aces"}, "aces"},
+        {{"render", "scene.xml", "--replicas", "uvw"}, "uvw"},
+        {{"render", "scene.xml", "--aov", "colour"}, "colour"},
+        {{"render", "scene.xml", "-D", "width"}, "name=value"},
+        {{"render", "scene.xml", "-i", "mcmc_vmc"}, "did you mean 'mcmc_vcm'"},
+        {{"render", "scene.xml", "-o", "a.gif"}, ".gif"},
+        {{"render", "scene.xml", "other.xml"}, "other.xml"},
+        {{"render", "absent.xml", "--passes", "1"}, "absent.xml"},
+        {{"info", "absent.xml"}, "absent.xml"},
+        {{"compare", "absent.exr", "absent.exr"}, "absent.exr"},
+        {{"compare", "absent.exr"}, "reference"},
+    };
+    for (const auto& [arguments, message] : cases) {
+        const Outcome outcome = run(arguments);
+        const std::string line = testing::PrintToString(arguments);
+        EXPECT_EQ(outcome.status, 2) << line;
+        EXPECT_THAT(outcome.err, HasSubstr(message)) << line;
+        EXPECT_THAT(outcome.out, IsEmpty()) << line;
+    }
+}
+
+TEST_F(CliTest, MalformedScenesFailWithStatus2) {
+    const std::string scene = kTinyScene;
+    const auto replaced = [&](const std::string& from, const std::string& to) {
+        std::string text = scene;
+        const size_t at = text.find(from);
+        EXPECT_NE(at, std::string::npos) << from;
+        return text.replace(at, from.size(), to);
+    };
+    const std::vector<std::pair<std::string, std::string>> cases{
+        {"empty", ""},
+        {"not XML", "this is not a scene"},
+        {"cut off", scene.substr(0, scene.size() / 2)},
+        {"another root", "<html></html>"},
+        {"unknown bsdf", replaced("type=\"dielectric\"", "type=\"dielectrik\"")},
+        {"unknown property", replaced("name=\"radius\"", "name=\"radios\"")},
+        {"number that is none", replaced("name=\"fov\" value=\"50\"", "name=\"fov\" value=\"wide\"")},
+        {"infinite number", replaced("name=\"radius\" value=\"0.5\"", "name=\"radius\" value=\"inf\"")},
+        {"film of no size", replaced("value=\"$width\"", "value=\"0\"")},
+        {"film of monstrous size", replaced("value=\"$width\"", "value=\"2000000000\"")},
+        {"undefined parameter", replaced("value=\"16\"", "value=\"$undefined\"")},
+        {"dangling reference", replaced("<bsdf type=\"dielectric\"/>", "<ref id=\"nowhere\"/>")},
+        {"absent mesh",
+         replaced("<shape type=\"sphere\">",
+                  "<shape type=\"obj\"><string name=\"filename\" value=\"absent.obj\"/></shape>"
+                  "<shape type=\"sphere\">")},
+        {"singular transform", replaced("<scale value=\"2\"/>", "<scale value=\"0\"/>")},
+        {"no sensor", replaced("<sensor type=\"perspective\">", "<sensor type=\"nothing\">")},
+    };
+    for (const auto& [name, text] : cases) {
+        write("bad.xml", text);
+        const Outcome outcome = run({"render", "bad.xml", "--passes", "1"});
+        EXPECT_EQ(outcome.status, 2) << name << ": " << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr("bad.xml")) << name;
+        EXPECT_FALSE(std::filesystem::exists(folder / "bad.exr")) << name;
+    }
+}
+
+}  // namespace
+}  // namespace metrolux::cli

@@ -1,0 +1,180 @@
+#include "command.h"
+#include "image/image_io.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include <csignal>
+#include <fstream>
+
+namespace metrolux::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+double mean(const ImageData& image) {
+    double sum = 0;
+    for (float value : image.pixels) sum += value;
+    return sum / static_cast<double>(image.pixels.size());
+}
+
+TEST_F(CliTest, RendersToTheFilesThatAreNamed) {
+    const Outcome outcome = run({"render", "scene.xml", "-o", "a.exr", "-o", "b.png", "--passes", "2",
+                                 "--aov", "albedo,depth", "--quiet"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, IsEmpty());
+    EXPECT_THAT(outcome.err, IsEmpty());
+    EXPECT_GT(mean(readImage(folder / "a.exr", false)), 0.01);
+    EXPECT_EQ(readImage(folder / "b.png", false).height, 16);
+    EXPECT_EQ(readLayer(folder / "a.exr", "depth").pixels.size(), 24u * 16);
+    EXPECT_EQ(run({"render", "scene.xml", "--passes", "1"}).status, 0);
+    EXPECT_TRUE(fs::exists(folder / "scene.exr")) << "the default output";
+}
+
+TEST_F(CliTest, ThreadsDoNotChangeTheImageOfAnyIntegrator) {
+    std::istringstream list(run({"integrators"}).out);
+    std::string line;
+    int integrators = 0;
+    while (std::getline(list, line)) {
+        const std::string name = line.substr(0, line.find(' '));
+        ++integrators;
+        for (const char* threads : {"1", "2"}) {
+            const Outcome outcome = run({"render", "scene.xml", "-i", name, "--passes", "3", "--threads",
+                                         threads, "-o", name + threads + ".exr"});
+            ASSERT_EQ(outcome.status, 0) << name << ": " << outcome.err;
+        }
+        const ImageData one = readImage(folder / (name + "1.exr"), false),
+                        two = readImage(folder / (name + "2.exr"), false);
+        EXPECT_EQ(one.pixels, two.pixels) << name;
+        EXPECT_GT(mean(one), 0.001) << name;
+    }
+    EXPECT_GE(integrators, 5);
+}
+
+TEST_F(CliTest, SeedChangesTheNoise) {
+    for (const char* seed : {"1", "2"})
+        ASSERT_EQ(
+            run({"render", "scene.xml", "--passes", "1", "--seed", seed, "-o", seed + std::string(".exr")})
+                .status,
+            0);
+    EXPECT_NE(readImage(folder / "1.exr", false).pixels, readImage(folder / "2.exr", false).pixels);
+}
+
+TEST_F(CliTest, CropIsThePartOfTheImage) {
+    // Means of 120 pixels after 200 passes: their noise is far below the 10 % that is allowed.
+    for (const char* integrator : {"path", "bdpt"}) {
+        ASSERT_EQ(run({"render", "scene.xml", "-i", integrator, "--passes", "200", "-o", "all.exr"}).status,
+                  0);
+        ASSERT_EQ(run({"render", "scene.xml", "-i", integrator, "--passes", "200", "-o", "crop.exr", "--crop",
+                       "5,6,12,10"})
+                      .status,
+                  0);
+        const ImageData all = readImage(folder / "all.exr", false),
+                        crop = readImage(folder / "crop.exr", false);
+        ASSERT_EQ(crop.width, 12);
+        ASSERT_EQ(crop.height, 10);
+        ImageData cut{12, 10, 3, {}};
+        for (int y = 0; y < 10; ++y)
+            cut.pixels.insert(cut.pixels.end(), all.at(5, y + 6), all.at(5, y + 6) + 36);
+        EXPECT_NEAR(mean(crop) / mean(cut), 1, 0.1) << integrator;
+    }
+}
+
+TEST_F(CliTest, ResolutionAndDefinesReplaceTheScenes) {
+    ASSERT_EQ(run({"render", "scene.xml", "--passes", "1", "--resolution", "10x6", "-o", "a.exr"}).status, 0);
+    EXPECT_EQ(readImage(folder / "a.exr", false).width, 10);
+    ASSERT_EQ(run({"render", "scene.xml", "--passes", "1", "-Dwidth=31", "-o", "b.exr"}).status, 0);
+    EXPECT_EQ(readImage(folder / "b.exr", false).width, 31);
+}
+
+TEST_F(CliTest, MaxDepthOneShowsLightsOnly) {
+    ASSERT_EQ(
+        run({"render", "scene.xml", "--passes", "4", "--max-depth", "1", "-i", "path", "-o", "a.exr"}).status,
+        0);
+    ASSERT_EQ(run({"render", "scene.xml", "--passes", "4", "-i", "path", "-o", "b.exr"}).status, 0);
+    EXPECT_LT(mean(readImage(folder / "a.exr", false)), 0.5 * mean(readImage(folder / "b.exr", false)));
+}
+
+TEST_F(CliTest, StatisticsAreWritten) {
+    ASSERT_EQ(run({"render", "scene.xml", "--passes", "20", "--stats", "a.json", "--threads", "1", "--seed",
+                   "9", "-i", "scene"})
+                  .status,
+              0);
+    const nlohmann::json s = nlohmann::json::parse(std::ifstream(folder / "a.json"));
+    EXPECT_EQ(s["scene"], "scene.xml");
+    EXPECT_EQ(s["integrator"], "path") << "what the scene names";
+    EXPECT_EQ(s["passes"], 20);
+    EXPECT_EQ(s["threads"], 1);
+    EXPECT_EQ(s["seed"], 9);
+    EXPECT_EQ(s["stop_reason"], "passes");
+    EXPECT_GT(s["seconds"], 0);
+    EXPECT_GT(s["relative_error"], 0);
+    EXPECT_GE(s["rays"]["intersect"], 20 * 24 * 16);
+    EXPECT_GT(s["rays"]["shadow"], 0);
+    EXPECT_GT(s["rays"]["per_second"], 0);
+    EXPECT_GT(s["rays"]["share_of_time"], 0);
+    EXPECT_LT(s["rays"]["share_of_time"], 1);
+    EXPECT_GT(s["peak_memory_bytes"], 1000000);
+    for (const char* technique : {"hit", "nee", "connect", "splat", "merge"})
+        EXPECT_EQ(s["non_finite"][technique], 0);
+    EXPECT_TRUE(s.contains("integrator_statistics"));
+    EXPECT_TRUE(s.contains("version"));
+}
+
+TEST_F(CliTest, TimeAndErrorLimitsStop) {
+    ASSERT_EQ(run({"render", "scene.xml", "--time", "0.5s", "--stats", "a.json", "-i", "path"}).status, 0);
+    const nlohmann::json time = nlohmann::json::parse(std::ifstream(folder / "a.json"));
+    EXPECT_EQ(time["stop_reason"], "time");
+    EXPECT_GT(time["seconds"], 0.25);
+    EXPECT_LT(time["seconds"], 5);
+    ASSERT_EQ(
+        run({"render", "scene.xml", "--error", "0.5", "--time", "60s", "--stats", "a.json", "-i", "path"})
+            .status,
+        0);
+    const nlohmann::json error = nlohmann::json::parse(std::ifstream(folder / "a.json"));
+    EXPECT_EQ(error["stop_reason"], "error");
+    EXPECT_LE(error["relative_error"], 0.5);
+}
+
+TEST_F(CliTest, SignalsEndThePassAndKeepTheImage) {
+    for (int signal : {SIGINT, SIGTERM}) {
+        fs::remove(folder / "a.exr");
+        Command command(folder, {"render", "scene.xml", "--time", "1h", "--save-every", "0.01", "-o", "a.exr",
+                                 "--stats", "a.json"});
+        ASSERT_TRUE(waitFor("a.exr"));
+        command.signal(signal);
+        const Outcome outcome = command.wait();
+        EXPECT_EQ(outcome.status, 3) << outcome.err;
+        EXPECT_GT(mean(readImage(folder / "a.exr", false)), 0.001);
+        EXPECT_EQ(nlohmann::json::parse(std::ifstream(folder / "a.json"))["stop_reason"], "interrupted");
+    }
+}
+
+TEST_F(CliTest, OutputThatCannotBeWrittenIsFoundBeforeRendering) {
+    fs::create_directory(folder / "folder.exr");
+    for (const char* output : {"absent/a.exr", "folder.exr", "/proc/a.exr"}) {
+        // If it rendered first, this would take an hour.
+        const Outcome outcome = run({"render", "scene.xml", "--time", "1h", "-o", output});
+        EXPECT_EQ(outcome.status, 2) << output;
+        EXPECT_THAT(outcome.err, HasSubstr(output));
+    }
+    EXPECT_EQ(run({"render", "scene.xml", "--time", "1h", "--stats", "absent/a.json"}).status, 2);
+}
+
+TEST_F(CliTest, ImageIsRescuedWhenTheOutputFolderVanishes) {
+    fs::create_directory(folder / "gone");
+    Command command(folder,
+                    {"render", "scene.xml", "--time", "1h", "--save-every", "0.01", "-o", "gone/a.exr"});
+    ASSERT_TRUE(waitFor("gone/a.exr"));
+    fs::rename(folder / "gone", folder / "renamed");
+    command.signal(SIGINT);
+    const Outcome outcome = command.wait();
+    EXPECT_EQ(outcome.status, 4) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("metrolux-rescue-a.exr"));
+    EXPECT_GT(mean(readImage(folder / "metrolux-rescue-a.exr", false)), 0.001);
+}
+
+}  // namespace
+}  // namespace metrolux::cli

@@ -74,15 +74,6 @@ TexturePtr bitmap(const Element& element, LoadContext& context) {
     }
 }
 
-TexturePtr checkerboard(const Element& element, LoadContext& context, bool emission) {
-    const auto colour = emission ? emissionProperty : textureProperty;
-    CheckerboardParameters p;
-    p.color0 = colour(element, "color0", context, Rgb(0.4f));
-    p.color1 = colour(element, "color1", context, Rgb(0.2f));
-    p.toUv = uvTransform(element);
-    return makeCheckerboard(p);
-}
-
 TexturePtr meshAttribute(const Element& element) {
     MeshAttributeParameters p;
     p.name = element.requiredString("name");
@@ -128,6 +119,22 @@ TexturePtr nestedTexture(const Element& element, const Property& property, LoadC
         throw element.error(property,
                             fmt::format("found a <{}>, expected a <texture>", child ? child->tag : "?"));
     return makeTexture(*child, context, emission);
+}
+
+/// What the squares hold is known to the reader of the texture only, so that no range is imposed here.
+TexturePtr checkerboard(const Element& element, LoadContext& context, bool emission) {
+    const auto colour = [&](const std::string& name, float fallback) {
+        const Property* property = element.find(name);
+        if (!property) return makeConstantTexture(Rgb(fallback));
+        const auto value =
+            constantColor(element, *property, emission ? emissionFromSpectrum : reflectanceFromSpectrum);
+        return value ? makeConstantTexture(*value) : nestedTexture(element, *property, context, emission);
+    };
+    CheckerboardParameters p;
+    p.color0 = colour("color0", 0.4f);
+    p.color1 = colour("color1", 0.2f);
+    p.toUv = uvTransform(element);
+    return makeCheckerboard(p);
 }
 
 }  // namespace

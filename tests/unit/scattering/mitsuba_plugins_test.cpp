@@ -148,7 +148,7 @@ TEST(BsdfPlugins, UnknownTypesAndProperties) {
 TEST(TextureProperties, ValuesOfAllKinds) {
     LoadContext context;
     Builder b = bsdf("any").with("number", 0.25).with("rgb", RgbValue{Rgb(0.1f, 0.2f, 2.0f)});
-    b.with("texture", texture("checkerboard").with("color0", 1.0).with("color1", 0.0)).with("text", "red");
+    b.with("texture", texture("checkerboard").with("color0", 1.4).with("color1", 0.0)).with("text", "red");
     const Element& e = *b.element;
     const SurfaceInteraction si = flatInteraction({0.7f, 0.2f});
     EXPECT_EQ(textureProperty(e, "absent", context, Rgb(0.3f))->rgb(si), Rgb(0.3f));
@@ -158,7 +158,7 @@ TEST(TextureProperties, ValuesOfAllKinds) {
     EXPECT_EQ(context.warnings.size(), 1u) << "and that is said";
     EXPECT_EQ(emissionProperty(e, "rgb", context, Rgb(0.3f))->rgb(si), Rgb(0.1f, 0.2f, 2.0f));
     EXPECT_EQ(unboundedColor(e, "rgb", context, Rgb(0.3f)), Rgb(0.1f, 0.2f, 2.0f));
-    EXPECT_EQ(scalarTextureProperty(e, "texture", context, 0.3f)->scalar(si), 1);
+    EXPECT_EQ(scalarTextureProperty(e, "texture", context, 0.3f)->scalar(si), 1.4f);
     EXPECT_THROW(textureProperty(e, "text", context, Rgb(0.3f)), Error);
     EXPECT_THROW(unboundedColor(e, "texture", context, Rgb(0.3f)), Error);
 }

@@ -31,19 +31,6 @@ struct Command {
     Run run;
 };
 
-/// The word that an error about unexpected arguments is most likely about: an option before anything else.
-std::string unexpectedWord(const CLI::ExtrasError& error) {
-    const std::string message = error.what();
-    const size_t colon = message.rfind(": ");
-    std::istringstream words(colon == std::string::npos ? message : message.substr(colon + 2));
-    std::string first, word;
-    while (words >> word) {
-        if (word.front() == '-') return word.substr(0, word.find('='));
-        if (first.empty()) first = word;
-    }
-    return first;
-}
-
 /// Text after an error of the options: what was probably meant, and where help is.
 std::string hintFor(const CLI::ParseError& error, const CLI::App& root, const CLI::App* command) {
     std::vector<std::string> candidates;
@@ -53,9 +40,14 @@ std::string hintFor(const CLI::ParseError& error, const CLI::App& root, const CL
     for (const CLI::Option* option : (command != nullptr ? *command : root).get_options())
         for (const std::string& name : option->get_lnames()) candidates.push_back("--" + name);
     std::string hint;
-    if (const auto* extras = dynamic_cast<const CLI::ExtrasError*>(&error)) {
-        const std::string nearest = nearestName(unexpectedWord(*extras), candidates);
-        if (!nearest.empty()) hint = fmt::format("Did you mean {}? ", nearest);
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+        // The message ends with the words that no option or command took.
+        const std::string message = error.what();
+        std::istringstream words(message.substr(message.rfind(": ") + 1));
+        for (std::string word; hint.empty() && words >> word;) {
+            const std::string nearest = nearestName(word.substr(0, word.find('=')), candidates);
+            if (!nearest.empty()) hint = fmt::format("Did you mean {}? ", nearest);
+        }
     }
     return fmt::format("{}See metrolux {}--help", hint, command != nullptr ? command->get_name() + " " : "");
 }

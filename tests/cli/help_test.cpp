@@ -42,7 +42,7 @@ TEST_F(CliTest, InfoShowsWhatWasUnderstood) {
     const Outcome outcome = run({"info", "scene.xml", "-D", "width=40"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
     for (const char* text :
-         {"40x16 pixels", "gaussian", "path", "at most 8 edges", "4 ", "AreaLight", "Dielectric"})
+         {"40x16 pixels", "gaussian", "path", "at most 8 edges", "1 Sphere", "AreaLight", "Dielectric"})
         EXPECT_THAT(outcome.out, HasSubstr(text));
 }
 

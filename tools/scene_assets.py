@@ -184,14 +184,14 @@ def sky(width, height):
         cos_sun = sum(a * b for a, b in zip(d, sun))
         up = max(d[1], 0.0)
         if d[1] < 0:
-            base = (0.12, 0.11, 0.10)
+            base = (0.30, 0.29, 0.28)
         else:
             t = (1 - up) ** 3
             base = tuple(a + (b - a) * t for a, b in zip((0.10, 0.22, 0.52), (0.55, 0.62, 0.70)))
         glow = 0.9 * max(cos_sun, 0.0) ** 40 + 0.15 * max(cos_sun, 0.0) ** 4
         if d[1] < 0:
             glow = 0
-        disk = 260.0 if cos_sun > math.cos(math.radians(2.6)) else 0.0
+        disk = 420.0 if cos_sun > math.cos(math.radians(2.6)) else 0.0
         return tuple(b + glow * g + disk * s
                      for b, g, s in zip(base, (1.0, 0.85, 0.6), (1.0, 0.86, 0.66)))
 

@@ -14,7 +14,7 @@ class Loader {
         context_.searchPaths = scene_.searchPaths;
         context_.lenient = options.lenient;
         context_.warnings = std::move(scene_.warnings);
-        context_.film = {options.width, options.height, options.hasCrop,     options.cropX,
+        context_.film = {options.width, options.height,    options.hasCrop,   options.cropX,
                          options.cropY, options.cropWidth, options.cropHeight};
     }
 
@@ -32,8 +32,8 @@ class Loader {
     }
 
   private:
-    /// Runs a factory; whatever it throws becomes an Error that says where. Elements name their own place, which may
-    /// be another than this one's, when they are nested or referenced.
+    /// Runs a factory; whatever it throws becomes an Error that says where. Elements name their own place,
+    /// which may be another than this one's, when they are nested or referenced.
     template <class Action>
     void build(const Element& element, const Action& action) const {
         try {
@@ -71,7 +71,7 @@ class Loader {
         for (const ElementPtr& element : scene_.root->childrenOf("emitter")) {
             if (element->type == "area") {  // belongs to the shapes that refer to it
                 if (!scene_.referenced.contains(element.get()))
-                    context_.warn(*element, "<emitter type=\"area\"> that no shape refers to has no effect");
+                    context_.warn(*element, "no shape refers to it: it has no effect");
                 continue;
             }
             build(*element, [&] {
@@ -79,8 +79,9 @@ class Loader {
                 if (!light) return;
                 if (light->isEnvironment()) {
                     if (environment_)
-                        throw element->error(fmt::format("found a second environment emitter, expected one (first at {})",
-                                                         environment_->location.str()));
+                        throw element->error(
+                            fmt::format("found a second environment emitter, expected one (first at {})",
+                                        environment_->location.str()));
                     environment_ = element;
                 }
                 parts_.lights.push_back(std::move(light));
@@ -89,10 +90,12 @@ class Loader {
     }
 
     void checkLights() {
-        if (parts_.lights.empty()) context_.warn(*scene_.root, "the scene has no emitter: the image will be black");
+        if (parts_.lights.empty())
+            context_.warn(*scene_.root, "the scene has no emitter: the image will be black");
     }
 
-    /// What nothing refers to is built all the same, so that its errors show; what cannot stand alone must be referred to.
+    /// What nothing refers to is built all the same, so that its errors show; what cannot stand alone must be
+    /// referred to.
     void unused() {
         for (const ElementPtr& element : scene_.root->childrenOf("bsdf"))
             if (!scene_.referenced.contains(element.get()))
@@ -102,9 +105,15 @@ class Loader {
                 build(*element, [&] { makeTexture(*element, context_); });
         for (const char* tag : {"film", "rfilter", "sampler"})
             for (const ElementPtr& element : scene_.root->childrenOf(tag))
-                if (!scene_.referenced.contains(element.get()))
-                    throw element->error("found directly inside <scene>, expected inside of a <sensor> or its <film>");
+                if (!scene_.referenced.contains(element.get())) misplaced(*element);
         scene_.root->checkAllUsed(context_.lenient, context_.warnings);
+    }
+
+    void misplaced(const Element& element) {
+        const Error error =
+            element.error("found directly inside <scene>, expected inside of a <sensor> or its <film>");
+        if (!context_.lenient) throw error;
+        context_.warnings.emplace_back(error.what());
     }
 
     ParsedScene scene_;

@@ -23,11 +23,13 @@ Attributes::Attributes(const Source& source, pugi::xml_node node, Parameters& pa
         const std::string name = attribute.name();
         if (std::find(known.begin(), known.end(), name) == known.end()) {
             const std::string nearest = nearestName(name, known);
-            throw nodeError(source, node,
-                            fmt::format("found the attribute \"{}\", which does not belong here{}", name,
-                                        nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
+            throw nodeError(
+                source, node,
+                fmt::format("found the attribute \"{}\", which does not belong here{}", name,
+                            nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
         }
-        if (has(name.c_str())) throw nodeError(source, node, fmt::format("found the attribute \"{}\" twice", name));
+        if (has(name.c_str()))
+            throw nodeError(source, node, fmt::format("found the attribute \"{}\" twice", name));
         try {
             values_.emplace_back(name, parameters.substitute(attribute.value()));
         } catch (const Error& problem) {
@@ -35,7 +37,8 @@ Attributes::Attributes(const Source& source, pugi::xml_node node, Parameters& pa
         }
     }
     for (const char* name : required)
-        if (!has(name)) throw nodeError(source, node, fmt::format("has no attribute \"{}\", expected one", name));
+        if (!has(name))
+            throw nodeError(source, node, fmt::format("has no attribute \"{}\", expected one", name));
 }
 
 const std::string* Attributes::find(const char* name) const {

@@ -1,11 +1,11 @@
 #pragma once
 /// What the parser reads from one XML node: its attributes with $names replaced, its place, its errors.
 
-#include <initializer_list>
-#include <optional>
-
 #include "io/mitsuba/parameters.h"
 #include "io/mitsuba/source.h"
+
+#include <initializer_list>
+#include <optional>
 
 namespace metrolux::mitsuba {
 
@@ -14,7 +14,8 @@ Error nodeError(const Source& source, pugi::xml_node node, const std::string& me
 
 class Attributes {
   public:
-    /// Throws Error if a required attribute is missing or one stands there that is neither required nor optional.
+    /// Throws Error if a required attribute is missing or one stands there that is neither required nor
+    /// optional.
     Attributes(const Source& source, pugi::xml_node node, Parameters& parameters,
                std::initializer_list<const char*> required, std::initializer_list<const char*> optional = {});
 
@@ -31,8 +32,8 @@ class Attributes {
     std::vector<std::pair<std::string, std::string>> values_;
 };
 
-/// The product of the <translate>, <rotate>, <scale>, <lookat> and <matrix> of a <transform>: each is applied after
-/// those before it.
+/// The product of the <translate>, <rotate>, <scale>, <lookat> and <matrix> of a <transform>: each is applied
+/// after those before it.
 Transform parseTransform(const Source& source, pugi::xml_node node, Parameters& parameters, bool legacy);
 
 }  // namespace metrolux::mitsuba

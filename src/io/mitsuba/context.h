@@ -1,11 +1,6 @@
 #pragma once
 /// What the plugin factories share while a scene is loaded.
 
-#include <filesystem>
-#include <string>
-#include <unordered_map>
-#include <vector>
-
 #include "endpoint/camera.h"
 #include "endpoint/light.h"
 #include "geometry/shape.h"
@@ -14,6 +9,11 @@
 #include "scattering/bsdf.h"
 #include "scattering/texture.h"
 #include "scene/scene.h"
+
+#include <filesystem>
+#include <string>
+#include <unordered_map>
+#include <vector>
 
 namespace metrolux::mitsuba {
 
@@ -25,7 +25,8 @@ struct FilmOverride {
 };
 
 struct LoadContext {
-    std::vector<std::filesystem::path> searchPaths;  ///< <path> elements, the last first; then the scene's folder
+    std::vector<std::filesystem::path>
+        searchPaths;  ///< <path> elements, the last first; then the scene's folder
     FilmOverride film;
     bool lenient = false;
     std::vector<std::string> warnings;
@@ -35,28 +36,36 @@ struct LoadContext {
     /// Existing file for a name in the scene; throws Error that lists where it was looked for.
     std::filesystem::path resolve(const Element& element, const std::string& filename) const;
     void warn(const Element& element, const std::string& message) {
-        warnings.push_back(element.location.str() + ": " + message);
+        warnings.emplace_back(element.error(message).what());
     }
 };
 
-// One factory for each tag. An unknown type is an Error with the nearest known type (or, when lenient, a warning and a
-// stand-in). Each calls element.checkAllUsed at its end.
-BsdfPtr makeBsdf(const Element& element, LoadContext& context);              // plugins_bsdf.cpp
-TexturePtr makeTexture(const Element& element, LoadContext& context, bool emission = false);  // plugins_texture.cpp
-LightPtr makeLight(const Element& element, LoadContext& context);            // plugins_emitter.cpp: all but area
-LightPtr makeAreaLight(const Element& element, const Shape& shape, LoadContext& context);     // plugins_emitter.cpp
-CameraPtr makeCamera(const Element& element, LoadContext& context, SceneParts& parts);  // plugins_sensor.cpp (reads the film)
+// One factory for each tag. An unknown type is an Error with the nearest known type (or, when lenient, a
+// warning and a stand-in). Each calls element.checkAllUsed at its end.
+BsdfPtr makeBsdf(const Element& element, LoadContext& context);  // plugins_bsdf.cpp
+TexturePtr makeTexture(const Element& element, LoadContext& context,
+                       bool emission = false);                     // plugins_texture.cpp
+LightPtr makeLight(const Element& element, LoadContext& context);  // plugins_emitter.cpp: all but area
+LightPtr makeAreaLight(const Element& element, const Shape& shape,
+                       LoadContext& context);  // plugins_emitter.cpp
+CameraPtr makeCamera(const Element& element, LoadContext& context,
+                     SceneParts& parts);  // plugins_sensor.cpp (reads the film)
 /// Shapes with bsdf and emitter attached; area lights are appended to parts.lights.
 void addShape(const Element& element, LoadContext& context, SceneParts& parts);  // plugins_shape.cpp
-void readIntegrator(const Element& element, LoadContext& context, SceneParts& parts);  // plugins_integrator.cpp
+void readIntegrator(const Element& element, LoadContext& context,
+                    SceneParts& parts);  // plugins_integrator.cpp
 
 /// A property that may be a number, a colour, a spectrum or a texture: reflectance-like, converted as such.
-TexturePtr textureProperty(const Element& element, const std::string& name, LoadContext& context, const Rgb& fallback);
+TexturePtr textureProperty(const Element& element, const std::string& name, LoadContext& context,
+                           const Rgb& fallback);
 /// The same for a scalar (roughness, weight ...).
-TexturePtr scalarTextureProperty(const Element& element, const std::string& name, LoadContext& context, float fallback);
+TexturePtr scalarTextureProperty(const Element& element, const std::string& name, LoadContext& context,
+                                 float fallback);
 /// The same for an emitted quantity (radiance, intensity, irradiance): spectra convert as illuminants.
-TexturePtr emissionProperty(const Element& element, const std::string& name, LoadContext& context, const Rgb& fallback);
+TexturePtr emissionProperty(const Element& element, const std::string& name, LoadContext& context,
+                            const Rgb& fallback);
 /// An index of refraction or absorption: number, rgb or spectrum without the [0,1] limit of reflectances.
-Rgb unboundedColor(const Element& element, const std::string& name, LoadContext& context, const Rgb& fallback);
+Rgb unboundedColor(const Element& element, const std::string& name, LoadContext& context,
+                   const Rgb& fallback);
 
 }  // namespace metrolux::mitsuba

@@ -1,8 +1,8 @@
 #include "io/mitsuba/parameters.h"
 
-#include <cctype>
-
 #include "io/mitsuba/properties.h"
+
+#include <cctype>
 
 namespace metrolux::mitsuba {
 namespace {
@@ -21,7 +21,8 @@ Parameters::Parameters(const std::map<std::string, std::string>& defines) {
 void Parameters::addDefault(const std::string& name, const std::string& value) {
     if (name.empty()) throw Error("found an empty name, expected a name of letters, digits and underscores");
     for (const char c : name)
-        if (!isNameCharacter(c)) throw Error("found the name \"{}\", expected letters, digits and underscores", name);
+        if (!isNameCharacter(c))
+            throw Error("found the name \"{}\", expected letters, digits and underscores", name);
     entries_.try_emplace(name, Entry{value, false, true}).first->second.known = true;
 }
 
@@ -62,7 +63,8 @@ std::string Parameters::substitute(const std::string& text) {
         }
         entry->second.known = true;
         result += entry->second.value;
-        if (result.size() > kMaxLength) throw Error("the text is longer than {} bytes after substitution", kMaxLength);
+        if (result.size() > kMaxLength)
+            throw Error("the text is longer than {} bytes after substitution", kMaxLength);
         i = end + (braces ? 1 : 0);
     }
     return result;

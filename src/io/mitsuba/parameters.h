@@ -13,8 +13,9 @@ class Parameters {
 
     /// <default name value>: the first definition of a name holds, and -D overrides it.
     void addDefault(const std::string& name, const std::string& value);
-    /// Replaces $name and ${name}; a backslash before the dollar sign keeps it. Like Mitsuba, $nameSuffix takes the
-    /// longest known name. Throws Error for an unknown name (with the nearest known one) and for runaway lengths.
+    /// Replaces $name and ${name}; a backslash before the dollar sign keeps it. Like Mitsuba, $nameSuffix
+    /// takes the longest known name. Throws Error for an unknown name (with the nearest known one) and for
+    /// runaway lengths.
     std::string substitute(const std::string& text);
     /// Throws Error for a -D name that no <default> declares and nothing uses.
     void checkDefinesUsed(const std::string& file) const;

@@ -1,13 +1,13 @@
 #include "io/mitsuba/parser.h"
 
-#include <algorithm>
-#include <charconv>
-
 #include "io/mitsuba/attributes.h"
 #include "io/mitsuba/references.h"
 #include "io/mitsuba/spectrum_plugins.h"
 #include "io/mitsuba/upgrade.h"
 #include "io/mitsuba/values.h"
+
+#include <algorithm>
+#include <charconv>
 
 namespace metrolux::mitsuba {
 namespace {
@@ -18,12 +18,12 @@ constexpr size_t kMaxIncludeDepth = 15;  // Mitsuba's limit
 constexpr int kMaxIncludes = 10000;      // files that include each other twice would be read 2^15 times
 constexpr size_t kMaxProperties = 4096;  // of one element: names are compared one by one
 
-const std::vector<std::string> kObjectTags = {"integrator", "sensor", "film",    "rfilter", "sampler",
-                                              "emitter",    "shape",  "bsdf",    "texture"};
+const std::vector<std::string> kObjectTags = {"integrator", "sensor", "film", "rfilter", "sampler",
+                                              "emitter",    "shape",  "bsdf", "texture"};
 const std::vector<std::string> kMediumTags = {"medium", "phase", "volume", "subsurface"};
-const std::vector<std::string> kOtherTags = {"scene",    "default", "include",  "path",      "alias",  "ref",
-                                             "integer",  "float",   "boolean",  "string",    "rgb",    "srgb",
-                                             "spectrum", "blackbody", "point",  "vector",    "transform"};
+const std::vector<std::string> kOtherTags = {"scene",    "default",   "include", "path",   "alias",    "ref",
+                                             "integer",  "float",     "boolean", "string", "rgb",      "srgb",
+                                             "spectrum", "blackbody", "point",   "vector", "transform"};
 const std::vector<std::string> kTransformTags = {"translate", "rotate", "scale", "matrix", "lookat"};
 
 bool contains(const std::vector<std::string>& list, const std::string& name) {
@@ -94,12 +94,14 @@ class Parser {
             const std::string_view rest(end, static_cast<size_t>(version.data() + version.size() - end));
             if (code != std::errc() || (!rest.empty() && rest[0] != '.') ||
                 rest.find_first_not_of("0123456789.") != std::string_view::npos || rest.ends_with('.'))
-                throw nodeError(source, node,
-                                fmt::format("found the version \"{}\", expected a number such as 3.0.0", version));
+                throw nodeError(
+                    source, node,
+                    fmt::format("found the version \"{}\", expected a number such as 3.0.0", version));
             if (major < 0 || major > 3) problem = fmt::format("found the unknown version \"{}\"", version);
         }
         if (problem.empty()) return major < 2;
-        const Error error = nodeError(source, node, problem + ", expected 0.4 to 0.6, 2.x or 3.x (such as \"3.0.0\")");
+        const Error error =
+            nodeError(source, node, problem + ", expected 0.4 to 0.6, 2.x or 3.x (such as \"3.0.0\")");
         if (!lenient_) throw error;
         warnings_.push_back(std::string(error.what()) + "; read as 3.x");
         return false;
@@ -107,7 +109,8 @@ class Parser {
 
     void contents(const File& file, pugi::xml_node node, Element& element, int depth) {
         if (depth > kMaxDepth)
-            throw nodeError(file.source, node, fmt::format("elements are nested more than {} levels deep", kMaxDepth));
+            throw nodeError(file.source, node,
+                            fmt::format("elements are nested more than {} levels deep", kMaxDepth));
         for (const pugi::xml_node child : node.children()) {
             if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata)
                 throw nodeError(file.source, node,
@@ -160,21 +163,24 @@ class Parser {
         known.insert(known.end(), kOtherTags.begin() + 1, kOtherTags.end());
         const std::string nearest = nearestName(tag, known);
         throw nodeError(file.source, node,
-                        nearest.empty() ? "unknown element" : fmt::format("unknown element; did you mean <{}>?", nearest));
+                        nearest.empty() ? "unknown element"
+                                        : fmt::format("unknown element; did you mean <{}>?", nearest));
     }
 
-    void object(const File& file, pugi::xml_node node, Element& parent, const std::string& nameInParent, int depth) {
+    void object(const File& file, pugi::xml_node node, Element& parent, const std::string& nameInParent,
+                int depth) {
         const bool isRoot = node == file.source.root();
-        const Attributes attributes = isRoot
-                                          ? Attributes(file.source, node, parameters_, {"type"}, {"id", "name", "version"})
-                                          : Attributes(file.source, node, parameters_, {"type"}, {"id", "name"});
+        const Attributes attributes =
+            isRoot ? Attributes(file.source, node, parameters_, {"type"}, {"id", "name", "version"})
+                   : Attributes(file.source, node, parameters_, {"type"}, {"id", "name"});
         auto element = std::make_shared<Element>();
         element->tag = node.name();
         element->type = attributes["type"];
         element->id = attributes.get("id");
         element->location = file.source.at(node);
         element->legacy = file.legacy;
-        if (element->type.empty()) throw nodeError(file.source, node, "has an empty type, expected a plugin's name");
+        if (element->type.empty())
+            throw nodeError(file.source, node, "has an empty type, expected a plugin's name");
         const std::string name = attributes.has("name") ? attributes["name"] : nameInParent;
         contents(file, node, *element, depth);
         if (file.legacy) upgradeElement(*element, warnings_);
@@ -297,12 +303,14 @@ class Parser {
         if (earlier != parent.named.end())
             throw Error("found the property \"{}\" a second time, expected it once (first at {})", name,
                         earlier->second.location.str());
-        if (parent.named.size() >= kMaxProperties) throw Error("more than {} properties in one element", kMaxProperties);
+        if (parent.named.size() >= kMaxProperties)
+            throw Error("more than {} properties in one element", kMaxProperties);
         Property entry{std::move(value), file.source.at(node), false, nextOrder_++};
         parent.named.emplace_back(name, std::move(entry));
     }
 
-    void addElement(const File& file, pugi::xml_node node, Element& parent, const std::string& name, ElementPtr element) {
+    void addElement(const File& file, pugi::xml_node node, Element& parent, const std::string& name,
+                    ElementPtr element) {
         if (!name.empty()) {
             located(file, node, [&] { addNamed(file, node, parent, name, std::move(element)); });
         } else {
@@ -326,10 +334,12 @@ class Parser {
 
 }  // namespace
 
-fs::path findFile(const std::string& filename, const fs::path& from, const std::vector<fs::path>& searchPaths) {
+fs::path findFile(const std::string& filename, const fs::path& from,
+                  const std::vector<fs::path>& searchPaths) {
     if (filename.empty()) throw Error("found an empty file name");
     std::string name = filename;
-    if (name.find('\0') != std::string::npos || name.size() > 4096) throw Error("found an unusable file name");
+    if (name.find('\0') != std::string::npos || name.size() > 4096)
+        throw Error("found an unusable file name");
     std::vector<fs::path> folders;
     if (!fs::path(name).is_absolute()) {
         const fs::path own = from.parent_path();
@@ -355,7 +365,8 @@ fs::path findFile(const std::string& filename, const fs::path& from, const std::
     throw Error("the file \"{}\" does not exist (looked in: {})", filename, places);
 }
 
-ParsedScene parseScene(const fs::path& file, const std::map<std::string, std::string>& defines, bool lenient) {
+ParsedScene parseScene(const fs::path& file, const std::map<std::string, std::string>& defines,
+                       bool lenient) {
     return Parser(defines, lenient).run(file);
 }
 

@@ -1,6 +1,8 @@
 #pragma once
-/// Mitsuba XML (2.x and 3.x, and 0.x upgraded) to a tree of Elements: includes, defaults, references and units of
-/// the file format are resolved; plugins are not known here.
+/// Mitsuba XML (2.x and 3.x, and 0.x upgraded) to a tree of Elements: includes, defaults, references and
+/// units of the file format are resolved; plugins are not known here.
+
+#include "io/mitsuba/properties.h"
 
 #include <filesystem>
 #include <map>
@@ -8,15 +10,14 @@
 #include <string>
 #include <vector>
 
-#include "io/mitsuba/properties.h"
-
 namespace metrolux::mitsuba {
 
 struct ParsedScene {
     ElementPtr root;                      ///< <scene>; its objects are children, in order of appearance
     std::set<const Element*> referenced;  ///< elements that some <ref> uses
-    std::vector<std::filesystem::path> searchPaths;  ///< in order: <path>s, the last first; then the scene's folder
-    std::set<std::string> files;                     ///< the scene and its includes, as locations name them
+    std::vector<std::filesystem::path>
+        searchPaths;              ///< in order: <path>s, the last first; then the scene's folder
+    std::set<std::string> files;  ///< the scene and its includes, as locations name them
     std::vector<std::string> warnings;
 };
 
@@ -24,8 +25,8 @@ struct ParsedScene {
 ParsedScene parseScene(const std::filesystem::path& file, const std::map<std::string, std::string>& defines,
                        bool lenient = false);
 
-/// The existing regular file that `filename`, written in the file `from`, names. Included files look in their own
-/// folder first, then all in `searchPaths`. Throws Error that lists the folders.
+/// The existing regular file that `filename`, written in the file `from`, names. Included files look in their
+/// own folder first, then all in `searchPaths`. Throws Error that lists the folders.
 std::filesystem::path findFile(const std::string& filename, const std::filesystem::path& from,
                                const std::vector<std::filesystem::path>& searchPaths);
 

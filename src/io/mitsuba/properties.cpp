@@ -124,7 +124,8 @@ std::vector<ElementPtr> Element::childrenOf(const std::string& childTag) const {
     };
     for (const Property& property : children) take(property);
     for (const auto& entry : named) take(entry.second);
-    std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::stable_sort(found.begin(), found.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<ElementPtr> result;
     for (auto& entry : found) result.push_back(std::move(entry.second));
     return result;
@@ -145,7 +146,8 @@ Error Element::error(const Property& property, const std::string& message) const
     for (const auto& [key, candidate] : named)
         if (&candidate == &property) name = key;
     const std::string typeText = type.empty() ? "" : fmt::format(" type=\"{}\"", shortened(type));
-    const std::string what = name.empty() ? describe(property) : fmt::format("property \"{}\"", shortened(name));
+    const std::string what =
+        name.empty() ? describe(property) : fmt::format("property \"{}\"", shortened(name));
     return Error("{}: <{}{}>: {}: {}", property.location.str(), tag, typeText, what, message);
 }
 

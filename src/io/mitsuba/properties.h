@@ -1,7 +1,13 @@
 #pragma once
 /// A plugin element of a Mitsuba scene (<bsdf type="..."> ...) with its typed properties and children, after
-/// includes, defaults, references and the upgrade of 0.5/0.6 names. Every property that is read is marked; what is left
-/// over is an error that names file, line and element and suggests the nearest name that the plugin knows.
+/// includes, defaults, references and the upgrade of 0.5/0.6 names. Every property that is read is marked;
+/// what is left over is an error that names file, line and element and suggests the nearest name that the
+/// plugin knows.
+
+#include "base/error.h"
+#include "base/math.h"
+#include "base/suggest.h"
+#include "base/transform.h"
 
 #include <functional>
 #include <map>
@@ -10,11 +16,6 @@
 #include <string>
 #include <variant>
 #include <vector>
-
-#include "base/error.h"
-#include "base/math.h"
-#include "base/suggest.h"
-#include "base/transform.h"
 
 namespace metrolux::mitsuba {
 
@@ -32,8 +33,8 @@ using ElementPtr = std::shared_ptr<const Element>;
 struct RgbValue {
     Rgb value;
 };
-/// <spectrum value="..."/> or a blackbody: wavelength-value pairs, or one uniform value. Converted by what reads it, because
-/// reflectances and emission convert differently (io/mitsuba/spectrum.h).
+/// <spectrum value="..."/> or a blackbody: wavelength-value pairs, or one uniform value. Converted by what
+/// reads it, because reflectances and emission convert differently (io/mitsuba/spectrum.h).
 struct SpectrumValue {
     std::vector<float> wavelengths;  ///< nanometres, ascending; empty for a uniform value
     std::vector<float> values;
@@ -41,7 +42,8 @@ struct SpectrumValue {
 };
 
 struct Property {
-    std::variant<bool, int64_t, double, std::string, Vec3f, Transform, RgbValue, SpectrumValue, ElementPtr> value;
+    std::variant<bool, int64_t, double, std::string, Vec3f, Transform, RgbValue, SpectrumValue, ElementPtr>
+        value;
     Location location;
     mutable bool used = false;
     int order = 0;  ///< position among everything that its element contains
@@ -49,17 +51,19 @@ struct Property {
 
 class Element {
   public:
-    std::string tag;    ///< "bsdf", "shape", "emitter" ...
-    std::string type;   ///< plugin type, lower case as written
-    std::string id;     ///< empty if it has none
+    std::string tag;   ///< "bsdf", "shape", "emitter" ...
+    std::string type;  ///< plugin type, lower case as written
+    std::string id;    ///< empty if it has none
     Location location;
     std::vector<std::pair<std::string, Property>> named;  ///< in order of appearance; names in 3.x form
-    std::vector<Property> children;                       ///< nested elements without a name (ElementPtr each)
+    std::vector<Property> children;  ///< nested elements without a name (ElementPtr each)
 
     bool has(const std::string& name) const { return find(name) != nullptr; }
-    const Property* find(const std::string& name) const;  ///< also marks the name as known; does not mark it used
+    const Property* find(
+        const std::string& name) const;  ///< also marks the name as known; does not mark it used
 
-    // Typed access; marks the property as used; throws Error (file, line, element, found, expected) on a wrong type.
+    // Typed access; marks the property as used; throws Error (file, line, element, found, expected) on a
+    // wrong type.
     bool boolean(const std::string& name, bool fallback) const;
     int64_t integer(const std::string& name, int64_t fallback) const;
     /// Throws for NaN and infinity.
@@ -70,8 +74,9 @@ class Element {
     Transform transform(const std::string& name) const;                  ///< identity if absent
     /// A nested or referenced element under this name, or null.
     ElementPtr child(const std::string& name) const;
-    /// All elements with the tag ("bsdf", "emitter", ...), named or not, in order of appearance; marked used. (A shape
-    /// takes <ref name="bsdf" id="..."/> as well as <ref id="..."/>, a bumpmap's texture has any name.)
+    /// All elements with the tag ("bsdf", "emitter", ...), named or not, in order of appearance; marked used.
+    /// (A shape takes <ref name="bsdf" id="..."/> as well as <ref id="..."/>, a bumpmap's texture has any
+    /// name.)
     std::vector<ElementPtr> childrenOf(const std::string& tag) const;
     /// Reads and forgets a property that has no effect here (near_clip's relatives, sampler settings ...).
     void ignore(const std::string& name) const;
@@ -80,8 +85,8 @@ class Element {
     Error error(const std::string& message) const;
     Error error(const Property& property, const std::string& message) const;
 
-    /// Throws (or, if lenient, appends a warning) for each property or child that nothing has read, with the nearest
-    /// known name. To be called once the plugin is built.
+    /// Throws (or, if lenient, appends a warning) for each property or child that nothing has read, with the
+    /// nearest known name. To be called once the plugin is built.
     void checkAllUsed(bool lenient, std::vector<std::string>& warnings) const;
 
     bool legacy = false;  ///< from a 0.x scene: defaults that differ between versions follow it

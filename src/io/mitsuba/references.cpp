@@ -18,8 +18,9 @@ void References::addElement(const std::shared_ptr<Element>& element) {
     if (element->id.empty()) return;
     const auto [entry, isNew] = ids_.emplace(element->id, element);
     if (!isNew)
-        throw element->error(fmt::format("found the id \"{}\" a second time, expected unique ids (first at {})",
-                                         element->id, entry->second->location.str()));
+        throw element->error(
+            fmt::format("found the id \"{}\" a second time, expected unique ids (first at {})", element->id,
+                        entry->second->location.str()));
 }
 
 void References::addReference(Element& parent, int order, const std::string& id, const Location& location) {
@@ -28,7 +29,8 @@ void References::addReference(Element& parent, int order, const std::string& id,
 
 void References::addAlias(const std::string& id, const std::string& as, const Location& location) {
     if (!aliases_.emplace(as, Alias{id, location}).second)
-        throw Error("{}: <alias>: found the id \"{}\" a second time, expected unique ids", location.str(), as);
+        throw Error("{}: <alias>: found the id \"{}\" a second time, expected unique ids", location.str(),
+                    as);
 }
 
 std::shared_ptr<Element> References::find(const Reference& reference) const {
@@ -118,7 +120,8 @@ void References::checkGraph() const {
     size_t shown = 0;
     for (size_t i = above[at]; i != at && shown < 8; i = above[i], ++shown)
         cycle = nameOf(*elements_[i]) + " -> " + cycle;
-    throw elements_[at]->error(fmt::format("references form a cycle: {} -> {}", nameOf(*elements_[at]), cycle));
+    throw elements_[at]->error(
+        fmt::format("references form a cycle: {} -> {}", nameOf(*elements_[at]), cycle));
 }
 
 }  // namespace metrolux::mitsuba

@@ -1,12 +1,12 @@
 #pragma once
 /// <ref>, <alias> and ids, resolved once the whole document is known.
 
+#include "io/mitsuba/properties.h"
+
 #include <map>
 #include <memory>
 #include <set>
 #include <vector>
-
-#include "io/mitsuba/properties.h"
 
 namespace metrolux::mitsuba {
 

@@ -20,8 +20,8 @@ std::string readText(const std::filesystem::path& file) {
     const uintmax_t size = std::filesystem::file_size(file, code);
     if (code) throw Error("{}: cannot be read: {}", file.string(), code.message());
     if (size > kMaxFileBytes)
-        throw Error("{}: the file has {} MiB, expected a scene file of at most {} MiB", file.string(), size >> 20,
-                    kMaxFileBytes >> 20);
+        throw Error("{}: the file has {} MiB, expected a scene file of at most {} MiB", file.string(),
+                    size >> 20, kMaxFileBytes >> 20);
     std::ifstream stream(file, std::ios::binary);
     if (!stream) throw Error("{}: cannot be opened for reading", file.string());
     std::string text(size, '\0');
@@ -94,13 +94,12 @@ Source::Source(const std::filesystem::path& file) : file_(file), text_(readText(
     if (text_.find_first_not_of(" \t\r\n") == std::string::npos)
         throw Error("{}: the file is empty, expected <scene version=\"...\">", file.string());
     if (const size_t invalid = firstInvalidUtf8(text_); invalid != std::string::npos)
-        throw Error("{}: found the byte 0x{:02x}, expected XML in UTF-8", at(static_cast<ptrdiff_t>(invalid)).str(),
-                    static_cast<unsigned char>(text_[invalid]));
+        throw Error("{}: found the byte 0x{:02x}, expected XML in UTF-8",
+                    at(static_cast<ptrdiff_t>(invalid)).str(), static_cast<unsigned char>(text_[invalid]));
 
     const pugi::xml_parse_result result =
         document_.load_buffer(text_.data(), text_.size(), pugi::parse_default, pugi::encoding_utf8);
-    if (!result)
-        throw Error("{}: not well-formed XML: {}", at(result.offset).str(), result.description());
+    if (!result) throw Error("{}: not well-formed XML: {}", at(result.offset).str(), result.description());
     for (const pugi::xml_node node : document_.children())
         if (node.type() == pugi::node_element && node != document_.document_element())
             throw Error("{}: found a second root element <{}>, expected one", at(node).str(), node.name());

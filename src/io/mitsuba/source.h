@@ -1,18 +1,18 @@
 #pragma once
 /// An XML file in memory, and where its nodes stand.
 
-#include <filesystem>
+#include "io/mitsuba/properties.h"
 
 #include <pugixml.hpp>
 
-#include "io/mitsuba/properties.h"
+#include <filesystem>
 
 namespace metrolux::mitsuba {
 
 class Source {
   public:
-    /// Reads and parses a file. Throws Error that names the file (and the line) if it cannot be read, is too large,
-    /// is not text in UTF-8 (or declared Latin-1), or is not well-formed XML with one root element.
+    /// Reads and parses a file. Throws Error that names the file (and the line) if it cannot be read, is too
+    /// large, is not text in UTF-8 (or declared Latin-1), or is not well-formed XML with one root element.
     explicit Source(const std::filesystem::path& file);
 
     pugi::xml_node root() const { return document_.document_element(); }

@@ -17,7 +17,8 @@ SpectrumValue regular(const Element& element) {
     spectrum.values = numbers(element, "values");
     const float first = element.number("wavelength_min", 360), last = element.number("wavelength_max", 830);
     for (size_t i = 0; i < spectrum.values.size(); ++i) {
-        const float t = static_cast<float>(i) / static_cast<float>(std::max<size_t>(1, spectrum.values.size() - 1));
+        const float t =
+            static_cast<float>(i) / static_cast<float>(std::max<size_t>(1, spectrum.values.size() - 1));
         spectrum.wavelengths.push_back(lerp(t, first, last));
     }
     checkSpectrum(spectrum);
@@ -46,7 +47,8 @@ SpectrumValue blackbody(const Element& element) {
     return spectrum;
 }
 
-/// In RGB rendering the white of sRGB is D65, so that its spectrum is (1, 1, 1), or the `color` it is to modulate.
+/// In RGB rendering the white of sRGB is D65, so that its spectrum is (1, 1, 1), or the `color` it is to
+/// modulate.
 RgbValue colour(const Element& element) {
     RgbValue result{Rgb(1.0f)};
     if (const Property* property = element.find("color")) {
@@ -77,7 +79,8 @@ decltype(Property::value) spectrumFromPlugin(const Element& element) {
         } else {
             const std::string nearest =
                 nearestName(element.type, {"uniform", "regular", "irregular", "blackbody", "d65", "srgb"});
-            throw Error("unknown spectrum type{}", nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest));
+            throw Error("unknown spectrum type{}",
+                        nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest));
         }
     } catch (const Error& problem) {
         const std::string message = problem.what();

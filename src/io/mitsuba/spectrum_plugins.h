@@ -3,8 +3,8 @@
 
 namespace metrolux::mitsuba {
 
-/// The value of a <spectrum type="..."> element: uniform, regular, irregular, blackbody, d65, rgb or srgb. Throws
-/// Error for other types and wrong parameters.
+/// The value of a <spectrum type="..."> element: uniform, regular, irregular, blackbody, d65, rgb or srgb.
+/// Throws Error for other types and wrong parameters.
 decltype(Property::value) spectrumFromPlugin(const Element& element);
 
 }  // namespace metrolux::mitsuba

@@ -35,7 +35,8 @@ Transform matrix(const std::string& text) {
 }
 
 Transform lookAt(const Attributes& attributes) {
-    const Vec3f origin = point("origin", attributes["origin"]), target = point("target", attributes["target"]);
+    const Vec3f origin = point("origin", attributes["origin"]),
+                target = point("target", attributes["target"]);
     Vec3f up(0.0f);
     if (attributes.has("up")) up = point("up", attributes["up"]);
     if (up == Vec3f(0.0f)) {  // Mitsuba then picks any

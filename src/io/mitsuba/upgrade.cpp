@@ -22,7 +22,7 @@ class Upgrade {
         if (tag == "texture") texture();
         if (tag == "film") film();
         if (tag == "sampler") sampler();
-        if (tag == "emitter" || tag == "texture") drop("cache", "caches are not kept");
+        if (tag == "emitter" || tag == "texture") drop({"cache"}, "caches are not kept");
         std::set<std::string> names;
         for (const auto& [name, property] : element_.named)
             if (!names.insert(name).second)
@@ -44,10 +44,14 @@ class Upgrade {
     void erase(const std::string& name) {
         std::erase_if(element_.named, [&](const auto& entry) { return entry.first == name; });
     }
-    void drop(const std::string& name, const std::string& reason) {
-        if (!find(name)) return;
-        warn(fmt::format("\"{}\" of Mitsuba 0.x is ignored: {}", name, reason));
-        erase(name);
+    void drop(const std::vector<std::string>& names, const std::string& reason) {
+        std::string found;
+        for (const std::string& name : names) {
+            if (!find(name)) continue;
+            found += fmt::format("{}\"{}\"", found.empty() ? "" : ", ", name);
+            erase(name);
+        }
+        if (!found.empty()) warn(fmt::format("ignored: {} ({})", found, reason));
     }
     void changeType(const std::string& to, const std::string& reason) {
         if (element_.type == to) return;
@@ -74,8 +78,10 @@ class Upgrade {
         if (!first) return;
         Property toUv = *first;
         // The order of the two is that of Mitsuba 3's own upgrade: uv' = scale * (uv + offset).
-        const Vec3f offset(static_cast<float>(number("uoffset", 0)), static_cast<float>(number("voffset", 0)), 0);
-        const Vec3f scale(static_cast<float>(number("uscale", 1)), static_cast<float>(number("vscale", 1)), 1);
+        const Vec3f offset(static_cast<float>(number("uoffset", 0)), static_cast<float>(number("voffset", 0)),
+                           0);
+        const Vec3f scale(static_cast<float>(number("uscale", 1)), static_cast<float>(number("vscale", 1)),
+                          1);
         try {
             toUv.value = Transform::scale(scale) * Transform::translate(offset);
         } catch (const Error& problem) {
@@ -86,7 +92,7 @@ class Upgrade {
     }
 
     void bitmap() {
-        drop("max_anisotropy", "textures are not filtered anisotropically");
+        drop({"max_anisotropy"}, "textures are not filtered anisotropically");
         if (Property* filter = find("filter_type")) {
             std::string* type = std::get_if<std::string>(&filter->value);
             if (type && (*type == "ewa" || *type == "trilinear")) *type = "bilinear";
@@ -106,10 +112,10 @@ class Upgrade {
     void film() {
         for (const char* type : {"ldrfilm", "tiledhdrfilm", "mfilm"})
             if (element_.type == type) changeType("hdrfilm", "films differ only in the file that they wrote");
-        for (const char* name : {"filename", "gamma", "banner", "attach_log", "exposure", "tonemap_method", "key", "burn",
-                                 "digits", "variable"})
-            drop(name, "the output is chosen on the command line");
-        drop("high_quality_edges", "the borders of the image are always exact");
+        drop({"filename", "gamma", "banner", "attach_log", "exposure", "tonemap_method", "key", "burn",
+              "digits", "variable"},
+             "the output is chosen on the command line");
+        drop({"high_quality_edges"}, "the borders of the image are always exact");
     }
 
     void sampler() {
@@ -117,7 +123,7 @@ class Upgrade {
         std::vector<std::string> others;
         for (const auto& entry : element_.named)
             if (entry.first != "sample_count" && entry.first != "seed") others.push_back(entry.first);
-        for (const std::string& name : others) drop(name, "samples are drawn by the integrator");
+        drop(others, "samples are drawn by the integrator");
     }
 
     Element& element_;
@@ -140,6 +146,8 @@ std::string snakeCase(const std::string& name) {
     return result;
 }
 
-void upgradeElement(Element& element, std::vector<std::string>& warnings) { Upgrade(element, warnings).run(); }
+void upgradeElement(Element& element, std::vector<std::string>& warnings) {
+    Upgrade(element, warnings).run();
+}
 
 }  // namespace metrolux::mitsuba

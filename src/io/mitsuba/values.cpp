@@ -1,10 +1,10 @@
 #include "io/mitsuba/values.h"
 
+#include "image/tonemap.h"
+
 #include <charconv>
 #include <cmath>
 #include <fstream>
-
-#include "image/tonemap.h"
 
 namespace metrolux::mitsuba {
 namespace {
@@ -39,7 +39,8 @@ double parseNumber(std::string_view text) {
         throw Error("found {}, expected a number", quoted(text));
     if (code == std::errc::result_out_of_range) {
         const size_t exponent = body.find_first_of("eE");
-        if (exponent != std::string_view::npos && exponent + 1 < body.size() && body[exponent + 1] == '-') return 0;
+        if (exponent != std::string_view::npos && exponent + 1 < body.size() && body[exponent + 1] == '-')
+            return 0;
         throw Error("found {}, expected a number within the range of double precision", quoted(text));
     }
     if (!std::isfinite(value)) throw Error("found {}, expected a finite number", quoted(text));
@@ -66,7 +67,8 @@ int64_t parseInteger(std::string_view text) {
 
 bool parseBoolean(std::string_view text) {
     std::string lower;
-    for (const char c : trimmed(text)) lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    for (const char c : trimmed(text))
+        lower += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     if (lower == "true") return true;
     if (lower == "false") return false;
     throw Error("found {}, expected \"true\" or \"false\"", quoted(text));
@@ -120,14 +122,14 @@ void checkSpectrum(const SpectrumValue& spectrum) {
     if (spectrum.wavelengths.size() < 2)
         throw Error("found a spectrum of {} samples, expected two or more", spectrum.wavelengths.size());
     if (spectrum.wavelengths.size() != spectrum.values.size())
-        throw Error("found {} wavelengths and {} values, expected as many of both", spectrum.wavelengths.size(),
-                    spectrum.values.size());
+        throw Error("found {} wavelengths and {} values, expected as many of both",
+                    spectrum.wavelengths.size(), spectrum.values.size());
     if (!(spectrum.wavelengths.front() > 0))
         throw Error("found the wavelength {}, expected positive nanometres", spectrum.wavelengths.front());
     for (size_t i = 1; i < spectrum.wavelengths.size(); ++i)
         if (!(spectrum.wavelengths[i] > spectrum.wavelengths[i - 1]))
-            throw Error("found the wavelength {} after {}, expected ascending wavelengths", spectrum.wavelengths[i],
-                        spectrum.wavelengths[i - 1]);
+            throw Error("found the wavelength {} after {}, expected ascending wavelengths",
+                        spectrum.wavelengths[i], spectrum.wavelengths[i - 1]);
 }
 
 SpectrumValue parseSpectrum(std::string_view text) {

@@ -1,11 +1,11 @@
 #pragma once
-/// Texts of attributes to values: strict, and independent of the locale. All functions throw Error that says what was
-/// found and what was expected; the parser adds where.
+/// Texts of attributes to values: strict, and independent of the locale. All functions throw Error that says
+/// what was found and what was expected; the parser adds where.
+
+#include "io/mitsuba/properties.h"
 
 #include <filesystem>
 #include <string_view>
-
-#include "io/mitsuba/properties.h"
 
 namespace metrolux::mitsuba {
 

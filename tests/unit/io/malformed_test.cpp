@@ -1,13 +1,14 @@
-/// Bad scenes: each is refused with an Error that names the file, the line and the element, and nothing worse.
-
-#include <gmock/gmock.h>
-
-#include <functional>
+/// Bad scenes: each is refused with an Error that names the file, the line and the element, and nothing
+/// worse.
 
 #include "image/image_io.h"
 #include "io/scene_loader.h"
 #include "scene/scene.h"
 #include "support.h"
+
+#include <gmock/gmock.h>
+
+#include <functional>
 
 namespace metrolux {
 namespace {
@@ -16,7 +17,8 @@ using test::errorOf;
 using test::TemporaryFolder;
 using testing::HasSubstr;
 
-const std::string kSensor = R"(<sensor type="perspective"><film type="hdrfilm"><integer name="width" value="4"/>
+const std::string kSensor =
+    R"(<sensor type="perspective"><film type="hdrfilm"><integer name="width" value="4"/>
 <integer name="height" value="4"/></film></sensor>
 )";
 const std::string kLight = "<emitter type=\"point\"/>\n";
@@ -33,11 +35,14 @@ std::string mesh(const std::string& type, const std::string& file) {
 }
 std::string bitmap(const std::string& file) {
     return world(fmt::format(R"(<bsdf type="diffuse"><texture name="reflectance" type="bitmap">
-        <string name="filename" value="{}"/></texture></bsdf>)", file));
+        <string name="filename" value="{}"/></texture></bsdf>)",
+                             file));
 }
 std::string film(const std::string& content) {
-    return fmt::format(R"(<scene version="3.0.0">{}<sensor type="perspective"><film type="hdrfilm">{}</film></sensor>
-        </scene>)", kLight, content);
+    return fmt::format(
+        R"(<scene version="3.0.0">{}<sensor type="perspective"><film type="hdrfilm">{}</film></sensor>
+        </scene>)",
+        kLight, content);
 }
 
 std::string chain(int length) {
@@ -68,7 +73,8 @@ ImageData gradient() {
     ImageData image;
     image.width = image.height = 32;
     image.channels = 3;
-    for (int i = 0; i < 32 * 32 * 3; ++i) image.pixels.push_back(static_cast<float>((i * 7919) % 1000) / 1000.0f);
+    for (int i = 0; i < 32 * 32 * 3; ++i)
+        image.pixels.push_back(static_cast<float>((i * 7919) % 1000) / 1000.0f);
     return image;
 }
 
@@ -81,8 +87,9 @@ struct Malformed {
     std::map<std::string, std::string> defines = {};
 };
 
-const std::string kAscii = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
-                           "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+const std::string kAscii =
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
 
 const std::vector<Malformed> kXml = {
     {"empty_file", "", {"scene.xml", "empty"}},
@@ -90,157 +97,248 @@ const std::vector<Malformed> kXml = {
     {"utf16", std::string("\xff\xfe<\0s\0", 6), {"scene.xml", "UTF-16"}},
     {"invalid_utf8", "<scene version=\"3.0.0\">\n<!-- \xc3\x28 -->\n</scene>", {"scene.xml:2", "UTF-8"}},
     {"plain_text", "hello", {"scene.xml"}},
-    {"truncated_xml", "<scene version=\"3.0.0\">\n<bsdf type=\"diffuse\"", {"scene.xml:2", "not well-formed"}},
+    {"truncated_xml",
+     "<scene version=\"3.0.0\">\n<bsdf type=\"diffuse\"",
+     {"scene.xml:2", "not well-formed"}},
     {"mismatched_tags", "<scene version=\"3.0.0\">\n<bsdf type=\"diffuse\">\n</scene>", {"scene.xml:3"}},
     {"two_roots", "<scene version=\"3.0.0\"/>\n<scene version=\"3.0.0\"/>", {"scene.xml:2", "second root"}},
     {"other_root", "<svg version=\"1.1\"/>", {"scene.xml:1", "<svg>", "expected <scene"}},
     {"missing_version", "<scene>\n</scene>", {"scene.xml:1", "version"}},
     {"unknown_version", "<scene version=\"9.0\"/>", {"scene.xml:1", "9.0", "expected"}},
-    {"text_between_tags", world("<bsdf type=\"diffuse\">0.5</bsdf>"), {"scene.xml:4", "<bsdf type=\"diffuse\">", "text"}},
+    {"text_between_tags",
+     world("<bsdf type=\"diffuse\">0.5</bsdf>"),
+     {"scene.xml:4", "<bsdf type=\"diffuse\">", "text"}},
     {"unknown_tag", world("<shap type=\"cube\"/>"), {"scene.xml:4", "<shap", "did you mean <shape>?"}},
     {"tag_outside_transform", world("<translate x=\"1\"/>"), {"scene.xml:4", "<translate>", "inside"}},
-    {"unknown_attribute", world("<bsdf typ=\"diffuse\"/>"), {"scene.xml:4", "\"typ\"", "did you mean \"type\"?"}},
+    {"unknown_attribute",
+     world("<bsdf typ=\"diffuse\"/>"),
+     {"scene.xml:4", "\"typ\"", "did you mean \"type\"?"}},
     {"missing_attribute", world("<bsdf/>"), {"scene.xml:4", "<bsdf>", "\"type\""}},
     {"attribute_twice", world("<bsdf type=\"a\" type=\"b\"/>"), {"scene.xml:4", "twice"}},
     {"property_without_name", shape("<float value=\"1\"/>"), {"scene.xml:4", "<float>", "\"name\""}},
-    {"property_twice", shape("<float name=\"radius\" value=\"1\"/>\n<float name=\"radius\" value=\"2\"/>"),
+    {"property_twice",
+     shape("<float name=\"radius\" value=\"1\"/>\n<float name=\"radius\" value=\"2\"/>"),
      {"scene.xml:5", "radius", "second time", "scene.xml:4"}},
-    {"child_in_property", shape("<float name=\"radius\" value=\"1\"><bsdf type=\"diffuse\"/></float>"),
+    {"child_in_property",
+     shape("<float name=\"radius\" value=\"1\"><bsdf type=\"diffuse\"/></float>"),
      {"scene.xml:4", "<float name=\"radius\">"}},
-    {"bad_float", shape("\n<float name=\"radius\" value=\"1.0.0\"/>"), {"scene.xml:5", "radius", "1.0.0", "number"}},
+    {"bad_float",
+     shape("\n<float name=\"radius\" value=\"1.0.0\"/>"),
+     {"scene.xml:5", "radius", "1.0.0", "number"}},
     {"nan_float", shape("<float name=\"radius\" value=\"nan\"/>"), {"scene.xml:4", "radius", "finite"}},
-    {"overflowing_float", shape("<float name=\"radius\" value=\"1e999\"/>"), {"scene.xml:4", "radius", "1e999"}},
+    {"overflowing_float",
+     shape("<float name=\"radius\" value=\"1e999\"/>"),
+     {"scene.xml:4", "radius", "1e999"}},
     {"bad_integer", film("<integer name=\"width\" value=\"4.5\"/>"), {"scene.xml:2", "width", "integer"}},
-    {"bad_boolean", shape("<boolean name=\"flip_normals\" value=\"yes\"/>"), {"scene.xml:4", "\"true\" or \"false\""}},
-    {"bad_rgb", world("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"1 2\"/></bsdf>"),
+    {"bad_boolean",
+     shape("<boolean name=\"flip_normals\" value=\"yes\"/>"),
+     {"scene.xml:4", "\"true\" or \"false\""}},
+    {"bad_rgb",
+     world("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"1 2\"/></bsdf>"),
      {"scene.xml:4", "<rgb name=\"reflectance\">", "one or three"}},
-    {"bad_hex_colour", world("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"#12345g\"/></bsdf>"),
+    {"bad_hex_colour",
+     world("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"#12345g\"/></bsdf>"),
      {"scene.xml:4", "#rrggbb"}},
-    {"bad_spectrum", world("<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" value=\"500:1 400:1\"/></bsdf>"),
+    {"bad_spectrum",
+     world("<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" value=\"500:1 400:1\"/></bsdf>"),
      {"scene.xml:4", "ascending"}},
-    {"spectrum_type", world("<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" type=\"unifrm\"/></bsdf>"),
+    {"spectrum_type",
+     world("<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" type=\"unifrm\"/></bsdf>"),
      {"scene.xml:4", "did you mean \"uniform\"?"}},
-    {"spd_missing", world("<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" filename=\"a.spd\"/></bsdf>"),
+    {"spd_missing",
+     world("<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" filename=\"a.spd\"/></bsdf>"),
      {"scene.xml:4", "a.spd", "does not exist"}},
-    {"spd_garbage", world("<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" filename=\"a.spd\"/></bsdf>"),
-     {"scene.xml:4", "a.spd", "line 2", "blue"}, {{"a.spd", "400 1\n500 blue\n"}}},
-    {"nan_transform", shape("<transform name=\"to_world\">\n<translate x=\"nan\"/></transform>"),
+    {"spd_garbage",
+     world("<bsdf type=\"diffuse\"><spectrum name=\"reflectance\" filename=\"a.spd\"/></bsdf>"),
+     {"scene.xml:4", "a.spd", "line 2", "blue"},
+     {{"a.spd", "400 1\n500 blue\n"}}},
+    {"nan_transform",
+     shape("<transform name=\"to_world\">\n<translate x=\"nan\"/></transform>"),
      {"scene.xml:5", "<translate>", "finite"}},
-    {"singular_scale", shape("<transform name=\"to_world\">\n<scale x=\"0\"/></transform>"),
+    {"singular_scale",
+     shape("<transform name=\"to_world\">\n<scale x=\"0\"/></transform>"),
      {"scene.xml:5", "<scale>", "singular"}},
-    {"singular_matrix", shape("<transform name=\"to_world\"><matrix value=\"1 2 3 2 4 6 0 0 1\"/></transform>"),
+    {"singular_matrix",
+     shape("<transform name=\"to_world\"><matrix value=\"1 2 3 2 4 6 0 0 1\"/></transform>"),
      {"scene.xml:4", "<matrix>", "singular"}},
-    {"short_matrix", shape("<transform name=\"to_world\"><matrix value=\"1 2 3\"/></transform>"),
+    {"short_matrix",
+     shape("<transform name=\"to_world\"><matrix value=\"1 2 3\"/></transform>"),
      {"scene.xml:4", "<matrix>", "9 or 16"}},
     {"overflowing_transform",
      shape("<transform name=\"to_world\">" + repeated("<scale value=\"1e30\"/>", 12) + "</transform>"),
      {"scene.xml:4", "<scale>"}},
-    {"zero_axis", shape("<transform name=\"to_world\"><rotate angle=\"3\"/></transform>"), {"scene.xml:4", "<rotate>"}},
+    {"zero_axis",
+     shape("<transform name=\"to_world\"><rotate angle=\"3\"/></transform>"),
+     {"scene.xml:4", "<rotate>"}},
     {"lookat_at_itself",
-     shape("<transform name=\"to_world\"><lookat origin=\"1 1 1\" target=\"1 1 1\" up=\"0 1 0\"/></transform>"),
+     shape(
+         "<transform name=\"to_world\"><lookat origin=\"1 1 1\" target=\"1 1 1\" up=\"0 1 0\"/></transform>"),
      {"scene.xml:4", "<lookat>"}},
     {"lookat_up_parallel",
-     shape("<transform name=\"to_world\"><lookat origin=\"0 0 0\" target=\"0 1 0\" up=\"0 1 0\"/></transform>"),
+     shape(
+         "<transform name=\"to_world\"><lookat origin=\"0 0 0\" target=\"0 1 0\" up=\"0 1 0\"/></transform>"),
      {"scene.xml:4", "<lookat>"}},
-    {"unknown_transform", shape("<transform name=\"to_world\"><rotat angle=\"3\"/></transform>"),
+    {"unknown_transform",
+     shape("<transform name=\"to_world\"><rotat angle=\"3\"/></transform>"),
      {"scene.xml:4", "<rotat>", "did you mean <rotate>?"}},
     {"vector_parts", shape("<point name=\"center\" x=\"1\"/>"), {"scene.xml:4", "center", "x, y and z"}},
     {"undefined_name", world("<bsdf type=\"$kind\"/>"), {"scene.xml:4", "$kind"}},
-    {"unused_definition", world("<default name=\"spp\" value=\"1\"/>"), {"scene.xml", "-D ssp", "did you mean \"spp\"?"},
-     {}, nullptr, {{"ssp", "3"}}},
+    {"unused_definition",
+     world("<default name=\"spp\" value=\"1\"/>"),
+     {"scene.xml", "-D ssp", "did you mean \"spp\"?"},
+     {},
+     nullptr,
+     {{"ssp", "3"}}},
     {"nesting_of_10000", nested(10000), {"scene.xml:4", "256"}},
     {"nesting_of_300000", nested(300000), {"scene.xml:4", "256"}},
     {"long_chain_of_references", world(chain(5000)), {"scene.xml", "256", "references included"}},
     {"cyclic_references",
-     world("<bsdf type=\"twosided\" id=\"a\"><ref id=\"b\"/></bsdf>\n<bsdf type=\"twosided\" id=\"b\"><ref id=\"a\"/></bsdf>"),
+     world("<bsdf type=\"twosided\" id=\"a\"><ref id=\"b\"/></bsdf>\n<bsdf type=\"twosided\" id=\"b\"><ref "
+           "id=\"a\"/></bsdf>"),
      {"scene.xml:", "cycle", "\"a\"", "\"b\""}},
-    {"dangling_reference", world("<bsdf type=\"diffuse\" id=\"wood\"/>\n<shape type=\"cube\"><ref id=\"wod\"/></shape>"),
+    {"dangling_reference",
+     world("<bsdf type=\"diffuse\" id=\"wood\"/>\n<shape type=\"cube\"><ref id=\"wod\"/></shape>"),
      {"scene.xml:5", "<ref id=\"wod\">", "did you mean \"wood\"?"}},
     {"dangling_alias", world("<alias id=\"a\" as=\"b\"/>"), {"scene.xml:4", "<alias id=\"a\">"}},
-    {"duplicate_id", world("<bsdf type=\"diffuse\" id=\"a\"/>\n<bsdf type=\"diffuse\" id=\"a\"/>"),
+    {"duplicate_id",
+     world("<bsdf type=\"diffuse\" id=\"a\"/>\n<bsdf type=\"diffuse\" id=\"a\"/>"),
      {"scene.xml:5", "\"a\"", "scene.xml:4"}},
-    {"missing_include", world("<include filename=\"parts.xml\"/>"), {"scene.xml:4", "<include>", "parts.xml"}},
-    {"cyclic_include", world("<include filename=\"a.xml\"/>"), {"a.xml:2", "<include>", "includes itself"},
+    {"missing_include",
+     world("<include filename=\"parts.xml\"/>"),
+     {"scene.xml:4", "<include>", "parts.xml"}},
+    {"cyclic_include",
+     world("<include filename=\"a.xml\"/>"),
+     {"a.xml:2", "<include>", "includes itself"},
      {{"a.xml", "<scene version=\"3.0.0\">\n<include filename=\"scene.xml\"/></scene>"}}},
-    {"bad_included_file", world("<include filename=\"a.xml\"/>"), {"a.xml:2", "<flaot"},
+    {"bad_included_file",
+     world("<include filename=\"a.xml\"/>"),
+     {"a.xml:2", "<flaot"},
      {{"a.xml", "<scene version=\"3.0.0\">\n<flaot name=\"a\" value=\"1\"/></scene>"}}},
-    {"include_depth", world("<include filename=\"i0.xml\"/>"), {".xml:1", "nested more than"}, {},
+    {"include_depth",
+     world("<include filename=\"i0.xml\"/>"),
+     {".xml:1", "nested more than"},
+     {},
      [](const TemporaryFolder& folder) {
          for (int i = 0; i < 40; ++i)
-             folder.write(fmt::format("i{}.xml", i),
-                          fmt::format(R"(<scene version="3.0.0"><include filename="i{}.xml"/></scene>)", i + 1));
+             folder.write(
+                 fmt::format("i{}.xml", i),
+                 fmt::format(R"(<scene version="3.0.0"><include filename="i{}.xml"/></scene>)", i + 1));
      }},
     {"missing_folder", world("<path value=\"nowhere\"/>"), {"scene.xml:4", "nowhere", "does not exist"}},
     {"path_inside_shape", shape("<path value=\".\"/>"), {"scene.xml:4", "<path>"}},
     {"medium", world("<medium type=\"homogeneous\" id=\"m\"/>"), {"scene.xml:4", "participating media"}},
-    {"medium_in_shape", shape("<medium name=\"interior\" type=\"homogeneous\"/>"), {"scene.xml:4", "participating media"}},
+    {"medium_in_shape",
+     shape("<medium name=\"interior\" type=\"homogeneous\"/>"),
+     {"scene.xml:4", "participating media"}},
 };
 
 const std::vector<Malformed> kPlugins = {
     {"no_sensor", "<scene version=\"3.0.0\">\n</scene>", {"scene.xml:1", "no <sensor>"}},
-    {"film_of_no_size", film("<integer name=\"width\" value=\"0\"/>"), {"scene.xml:2", "<film type=\"hdrfilm\"", "width"}},
-    {"huge_film", film("<integer name=\"width\" value=\"100000\"/><integer name=\"height\" value=\"100000\"/>"),
+    {"film_of_no_size",
+     film("<integer name=\"width\" value=\"0\"/>"),
+     {"scene.xml:2", "<film type=\"hdrfilm\"", "width"}},
+    {"huge_film",
+     film("<integer name=\"width\" value=\"100000\"/><integer name=\"height\" value=\"100000\"/>"),
      {"scene.xml:2", "<film", "100000"}},
-    {"width_of_64_bits", film("<integer name=\"width\" value=\"9223372036854775807\"/>"), {"scene.xml:2", "width"}},
-    {"unknown_bsdf", world("<bsdf type=\"difuse\"/>"), {"scene.xml:4", "difuse", "did you mean \"diffuse\"?"}},
+    {"width_of_64_bits",
+     film("<integer name=\"width\" value=\"9223372036854775807\"/>"),
+     {"scene.xml:2", "width"}},
+    {"unknown_bsdf",
+     world("<bsdf type=\"difuse\"/>"),
+     {"scene.xml:4", "difuse", "did you mean \"diffuse\"?"}},
     {"unknown_shape", world("<shape type=\"spere\"/>"), {"scene.xml:4", "did you mean \"sphere\"?"}},
     {"unknown_emitter", world("<emitter type=\"spott\"/>"), {"scene.xml:4", "did you mean \"spot\"?"}},
     {"unknown_texture", world("<texture type=\"bitmp\"/>"), {"scene.xml:4", "did you mean \"bitmap\"?"}},
     {"unknown_integrator", world("<integrator type=\"pathh\"/>"), {"scene.xml:4", "did you mean \"path\"?"}},
-    {"unknown_sensor", "<scene version=\"3.0.0\">\n<sensor type=\"perspectiv\"/></scene>",
+    {"unknown_sensor",
+     "<scene version=\"3.0.0\">\n<sensor type=\"perspectiv\"/></scene>",
      {"scene.xml:2", "did you mean \"perspective\"?"}},
-    {"unknown_property", world("<bsdf type=\"diffuse\">\n<rgb name=\"reflectanc\" value=\"1\"/></bsdf>"),
+    {"unknown_property",
+     world("<bsdf type=\"diffuse\">\n<rgb name=\"reflectanc\" value=\"1\"/></bsdf>"),
      {"scene.xml:5", "<bsdf type=\"diffuse\"", "reflectanc", "did you mean \"reflectance\"?"}},
     {"property_of_scene", world("<float name=\"gain\" value=\"1\"/>"), {"scene.xml:4", "<scene>", "gain"}},
-    {"wrong_type_of_property", shape("<string name=\"radius\" value=\"big\"/>"), {"scene.xml:4", "radius", "big"}},
-    {"negative_depth", world("<integrator type=\"path\"><integer name=\"max_depth\" value=\"-7\"/></integrator>"),
+    {"wrong_type_of_property",
+     shape("<string name=\"radius\" value=\"big\"/>"),
+     {"scene.xml:4", "radius", "big"}},
+    {"negative_depth",
+     world("<integrator type=\"path\"><integer name=\"max_depth\" value=\"-7\"/></integrator>"),
      {"scene.xml:4", "max_depth", "-7"}},
-    {"two_integrators", world("<integrator type=\"path\"/>\n<integrator type=\"path\"/>"), {"scene.xml:5", "second"}},
-    {"integrator_of_others", world("<integrator type=\"path\"><integer name=\"photon_count\" value=\"1\"/></integrator>"),
+    {"two_integrators",
+     world("<integrator type=\"path\"/>\n<integrator type=\"path\"/>"),
+     {"scene.xml:5", "second"}},
+    {"integrator_of_others",
+     world("<integrator type=\"path\"><integer name=\"photon_count\" value=\"1\"/></integrator>"),
      {"scene.xml:4", "photon_count"}},
-    {"emitter_in_bsdf", world("<bsdf type=\"diffuse\"><emitter type=\"area\"/></bsdf>"), {"scene.xml:4", "<emitter"}},
+    {"emitter_in_bsdf",
+     world("<bsdf type=\"diffuse\"><emitter type=\"area\"/></bsdf>"),
+     {"scene.xml:4", "<emitter"}},
     {"film_in_scene", world("<film type=\"hdrfilm\"/>"), {"scene.xml:4", "<film"}},
     {"point_light_in_shape", shape("<emitter type=\"point\"/>"), {"scene.xml:4"}},
-    {"reference_of_wrong_kind", world("<bsdf type=\"twosided\"><ref id=\"s\"/></bsdf><shape type=\"sphere\" id=\"s\"/>"),
+    {"reference_of_wrong_kind",
+     world("<bsdf type=\"twosided\"><ref id=\"s\"/></bsdf><shape type=\"sphere\" id=\"s\"/>"),
      {"scene.xml:4", "<bsdf type=\"twosided\""}},
     {"twosided_without_content", world("<bsdf type=\"twosided\"/>"), {"scene.xml:4", "twosided"}},
     {"zero_area_emitter",
      world("<shape type=\"ply\"><string name=\"filename\" value=\"a.ply\"/><emitter type=\"area\"/></shape>"),
-     {"scene.xml:4"}, {{"a.ply", kAscii + "0 0 0\n0 0 0\n0 0 0\n3 0 1 2\n"}}},
-    {"two_environments", world("<emitter type=\"constant\"/>\n<emitter type=\"constant\"/>"),
+     {"scene.xml:4"},
+     {{"a.ply", kAscii + "0 0 0\n0 0 0\n0 0 0\n3 0 1 2\n"}}},
+    {"two_environments",
+     world("<emitter type=\"constant\"/>\n<emitter type=\"constant\"/>"),
      {"scene.xml:5", "environment", "scene.xml:4"}},
     {"negative_radius", shape("<float name=\"radius\" value=\"-1\"/>"), {"scene.xml:4", "radius"}},
     {"missing_mesh", mesh("obj", "a.obj"), {"scene.xml:4", "a.obj", "does not exist"}},
     {"mesh_is_a_folder", mesh("obj", "."), {"scene.xml:4", "folder"}},
     {"truncated_ply", mesh("ply", "a.ply"), {"scene.xml:4", "a.ply"}, {{"a.ply", kAscii + "0 0 0\n1 0 0\n"}}},
-    {"ply_index_out_of_range", mesh("ply", "a.ply"), {"scene.xml:4", "a.ply"},
+    {"ply_index_out_of_range",
+     mesh("ply", "a.ply"),
+     {"scene.xml:4", "a.ply"},
      {{"a.ply", kAscii + "0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n"}}},
-    {"ply_of_nan", mesh("ply", "a.ply"), {"scene.xml:4", "a.ply"}, {{"a.ply", kAscii + "nan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"}}},
-    {"ply_declares_too_much", mesh("ply", "a.ply"), {"scene.xml:4", "a.ply"},
-     {{"a.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 2000000000\nproperty float x\nproperty float y\n"
-                "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\nabcdefgh"}}},
-    {"obj_index_out_of_range", mesh("obj", "a.obj"), {"scene.xml:4", "a.obj"},
+    {"ply_of_nan",
+     mesh("ply", "a.ply"),
+     {"scene.xml:4", "a.ply"},
+     {{"a.ply", kAscii + "nan 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"}}},
+    {"ply_declares_too_much",
+     mesh("ply", "a.ply"),
+     {"scene.xml:4", "a.ply"},
+     {{"a.ply",
+       "ply\nformat binary_little_endian 1.0\nelement vertex 2000000000\nproperty float x\nproperty float y\n"
+       "property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\nabcdefgh"}}},
+    {"obj_index_out_of_range",
+     mesh("obj", "a.obj"),
+     {"scene.xml:4", "a.obj"},
      {{"a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"}}},
     {"empty_obj", mesh("obj", "a.obj"), {"scene.xml:4", "a.obj"}, {{"a.obj", ""}}},
-    {"serialized_garbage", mesh("serialized", "a.serialized"), {"scene.xml:4", "a.serialized"},
+    {"serialized_garbage",
+     mesh("serialized", "a.serialized"),
+     {"scene.xml:4", "a.serialized"},
      {{"a.serialized", "this is no mesh at all, only text"}}},
-    {"serialized_header_only", mesh("serialized", "a.serialized"), {"scene.xml:4", "a.serialized"},
+    {"serialized_header_only",
+     mesh("serialized", "a.serialized"),
+     {"scene.xml:4", "a.serialized"},
      {{"a.serialized", std::string("\x1c\x04\x04\x00\x00\x00\x00\x00\x00\x00\x00\x00\x01\x00\x00\x00", 16)}}},
     {"missing_image", bitmap("a.png"), {"scene.xml:4", "a.png", "does not exist"}},
     {"empty_image", bitmap("a.png"), {"scene.xml:4", "a.png"}, {{"a.png", ""}}},
     {"text_as_exr", bitmap("a.exr"), {"scene.xml:4", "a.exr"}, {{"a.exr", "an image in words"}}},
-    {"truncated_png", bitmap("a.png"), {"scene.xml:4", "a.png"}, {},
+    {"truncated_png",
+     bitmap("a.png"),
+     {"scene.xml:4", "a.png"},
+     {},
      [](const TemporaryFolder& folder) {
          writePngRaw(folder.path() / "whole.png", gradient());
          folder.write("a.png", firstHalf(folder.path() / "whole.png"));
      }},
-    {"truncated_exr", bitmap("a.exr"), {"scene.xml:4", "a.exr"}, {},
+    {"truncated_exr",
+     bitmap("a.exr"),
+     {"scene.xml:4", "a.exr"},
+     {},
      [](const TemporaryFolder& folder) {
          writeExr(folder.path() / "whole.exr", gradient());
          folder.write("a.exr", firstHalf(folder.path() / "whole.exr"));
      }},
-    {"text_as_environment", world("<emitter type=\"envmap\"><string name=\"filename\" value=\"a.exr\"/></emitter>"),
-     {"scene.xml:4", "a.exr"}, {{"a.exr", "not light"}}},
+    {"text_as_environment",
+     world("<emitter type=\"envmap\"><string name=\"filename\" value=\"a.exr\"/></emitter>"),
+     {"scene.xml:4", "a.exr"},
+     {{"a.exr", "not light"}}},
 };
 
 class MalformedScene : public testing::TestWithParam<Malformed> {};

@@ -2,15 +2,15 @@
 
 #include "io/mitsuba/parser.h"
 
-#include <gmock/gmock.h>
-
 #include "support.h"
+
+#include <gmock/gmock.h>
 
 namespace metrolux {
 namespace {
 
-using mitsuba::parseScene;
 using mitsuba::ParsedScene;
+using mitsuba::parseScene;
 using test::errorOf;
 using test::parseText;
 using test::scene;
@@ -19,14 +19,12 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 Transform transformOf(const std::string& operations, const std::string& version = "3.0.0") {
-    const ParsedScene parsed = parseText(
-        scene("<shape type=\"cube\"><transform name=\"to_world\">" + operations + "</transform></shape>", version));
+    const ParsedScene parsed = parseText(scene(
+        "<shape type=\"cube\"><transform name=\"to_world\">" + operations + "</transform></shape>", version));
     return parsed.root->childrenOf("shape").at(0)->transform("to_world");
 }
 
-void expectNear(const Vec3f& a, const Vec3f& b) {
-    EXPECT_LT((a - b).length(), 1e-5f) << a << " and " << b;
-}
+void expectNear(const Vec3f& a, const Vec3f& b) { EXPECT_LT((a - b).length(), 1e-5f) << a << " and " << b; }
 
 TEST(Parser, DefaultsAndDefinitions) {
     const std::string text = scene(R"(<default name="spp" value="16"/><default name="kind" value="path"/>
@@ -38,17 +36,23 @@ TEST(Parser, DefaultsAndDefinitions) {
     EXPECT_EQ(plain->integer("a", 0), 16);
     EXPECT_EQ(plain->integer("b", 0), 1616);
     EXPECT_EQ(plain->string("c", ""), "path_pathly and $5");
-    const auto changed = parseText(text, {{"spp", "4"}, {"kind", "direct"}}).root->childrenOf("integrator").at(0);
+    const auto changed =
+        parseText(text, {{"spp", "4"}, {"kind", "direct"}}).root->childrenOf("integrator").at(0);
     EXPECT_EQ(changed->type, "direct");
     EXPECT_EQ(changed->integer("b", 0), 44);
 }
 
 TEST(Parser, UnknownNamesGetSuggestions) {
-    const std::string text = scene("<default name=\"resolution\" value=\"16\"/>\n<bsdf type=\"$resoluton\"/>");
-    EXPECT_THAT(errorOf([&] { parseText(text); }), AllOf(HasSubstr("scene.xml:3"), HasSubstr("did you mean $resolution?")));
-    EXPECT_THAT(errorOf([] { parseText(scene("<default name=\"spp\" value=\"1\"/>"), {{"sp", "2"}}); }),
+    const std::string text =
+        scene("<default name=\"resolution\" value=\"16\"/>\n<bsdf type=\"$resoluton\"/>");
+    EXPECT_THAT(errorOf([&] { parseText(text); }),
+                AllOf(HasSubstr("scene.xml:3"), HasSubstr("did you mean $resolution?")));
+    EXPECT_THAT(errorOf([] {
+                    parseText(scene("<default name=\"spp\" value=\"1\"/>"), {{"sp", "2"}});
+                }),
                 AllOf(HasSubstr("scene.xml"), HasSubstr("-D sp=2"), HasSubstr("did you mean \"spp\"?")));
-    EXPECT_NO_THROW(parseText(scene("<bsdf type=\"$kind\"/>"), {{"kind", "diffuse"}}));  // used without a default
+    EXPECT_NO_THROW(
+        parseText(scene("<bsdf type=\"$kind\"/>"), {{"kind", "diffuse"}}));  // used without a default
 }
 
 TEST(Parser, RunawayDefaultsStop) {
@@ -62,8 +66,10 @@ TEST(Parser, RunawayDefaultsStop) {
 
 TEST(Parser, IncludesShareDefaultsAndIds) {
     const TemporaryFolder folder;
-    folder.write("parts/materials.xml", scene("<bsdf type=\"diffuse\" id=\"$name\"/><include filename=\"more.xml\"/>"));
-    folder.write("parts/more.xml", scene("<default name=\"depth\" value=\"3\"/><include filename=\"top.xml\"/>"));
+    folder.write("parts/materials.xml",
+                 scene("<bsdf type=\"diffuse\" id=\"$name\"/><include filename=\"more.xml\"/>"));
+    folder.write("parts/more.xml",
+                 scene("<default name=\"depth\" value=\"3\"/><include filename=\"top.xml\"/>"));
     folder.write("top.xml", scene("<shape type=\"cube\"><ref id=\"red\"/></shape>"));
     folder.write("one.xml", "<bsdf version=\"3.0.0\" type=\"mirror\"/>");
     const auto file = folder.write("scene.xml", scene(R"(<default name="name" value="red"/>
@@ -102,7 +108,8 @@ TEST(Parser, PathsAreSearchedBeforeTheSceneFolder) {
 }
 
 TEST(Parser, ReferencesReachForwardAndThroughAliases) {
-    const ParsedScene parsed = parseText(scene(R"(<shape type="a"><ref id="late"/><ref name="tex" id="other"/></shape>
+    const ParsedScene parsed =
+        parseText(scene(R"(<shape type="a"><ref id="late"/><ref name="tex" id="other"/></shape>
         <bsdf type="diffuse" id="late"/> <alias id="t" as="middle"/><alias id="middle" as="other"/>
         <texture type="bitmap" id="t"/>)"));
     const auto shape = parsed.root->childrenOf("shape").at(0);
@@ -134,7 +141,8 @@ TEST(Parser, TransformsApplyInOrder) {
     expectNear(transformOf("<scale value=\"2\"/>").point({1, 1, 1}), {2, 2, 2});
     expectNear(transformOf("<translate value=\"1 2 3\"/>").point({0, 0, 0}), {1, 2, 3});
     expectNear(transformOf("<matrix value=\"0 1 0 1 0 0 0 0 1\"/>").point({1, 2, 3}), {2, 1, 3});
-    expectNear(transformOf("<matrix value=\"1 0 0 5, 0 1 0 6, 0 0 1 7, 0 0 0 1\"/>").point({0, 0, 0}), {5, 6, 7});
+    expectNear(transformOf("<matrix value=\"1 0 0 5, 0 1 0 6, 0 0 1 7, 0 0 0 1\"/>").point({0, 0, 0}),
+               {5, 6, 7});
     const Transform camera = transformOf("<lookat origin=\"1,2,3\" target=\"1 2 5\" up=\"0,1,0\"/>");
     expectNear(camera.point({0, 0, 0}), {1, 2, 3});
     expectNear(camera.vector({0, 0, 1}), {0, 0, 1});
@@ -152,7 +160,9 @@ TEST(Parser, SpectrumPluginsBecomeValues) {
         <spectrum type="blackbody" name="b"><float name="temperature" value="3200"/></spectrum>
         <spectrum type="d65" name="d"><float name="scale" value="2"/></spectrum></bsdf>)"));
     const auto bsdf = parsed.root->childrenOf("bsdf").at(0);
-    const auto spectrum = [&](const char* name) { return std::get<mitsuba::SpectrumValue>(bsdf->find(name)->value); };
+    const auto spectrum = [&](const char* name) {
+        return std::get<mitsuba::SpectrumValue>(bsdf->find(name)->value);
+    };
     EXPECT_THAT(spectrum("u").values, testing::ElementsAre(0.3f));
     EXPECT_THAT(spectrum("r").wavelengths, testing::ElementsAre(400, 500, 600));
     EXPECT_THAT(spectrum("i").wavelengths, testing::ElementsAre(400, 550));
@@ -162,26 +172,31 @@ TEST(Parser, SpectrumPluginsBecomeValues) {
 
 TEST(Parser, VersionsAreChecked) {
     for (const char* version : {"2.0.0", "2.1.0", "3.0.0", "3", "3.5.2"})
-        EXPECT_FALSE(parseText(scene("<bsdf type=\"x\"/>", version)).root->childrenOf("bsdf").at(0)->legacy) << version;
+        EXPECT_FALSE(parseText(scene("<bsdf type=\"x\"/>", version)).root->childrenOf("bsdf").at(0)->legacy)
+            << version;
     for (const char* version : {"0.4.0", "0.5.0", "0.6.0", "0.6"})
-        EXPECT_TRUE(parseText(scene("<bsdf type=\"x\"/>", version)).root->childrenOf("bsdf").at(0)->legacy) << version;
+        EXPECT_TRUE(parseText(scene("<bsdf type=\"x\"/>", version)).root->childrenOf("bsdf").at(0)->legacy)
+            << version;
     for (const char* version : {"9.0", "", "three", "3.x", "-1.0", "3."})
-        EXPECT_THAT(errorOf([&] { parseText(scene("", version)); }), HasSubstr("scene.xml:1: <scene>")) << version;
+        EXPECT_THAT(errorOf([&] { parseText(scene("", version)); }), HasSubstr("scene.xml:1: <scene>"))
+            << version;
     const TemporaryFolder folder;
     const auto lenient = parseScene(folder.write("scene.xml", "<scene/>"), {}, true);
     EXPECT_EQ(lenient.warnings.size(), 1u);
 }
 
 TEST(Parser, LocationsAreLines) {
-    const ParsedScene parsed = parseText("<?xml version=\"1.0\"?>\n\n<!-- text\n -->\n<scene version=\"3.0.0\">\r\n\n"
-                                         "  <bsdf type=\"diffuse\"/>\n</scene>");
+    const ParsedScene parsed = parseText(
+        "<?xml version=\"1.0\"?>\n\n<!-- text\n -->\n<scene version=\"3.0.0\">\r\n\n"
+        "  <bsdf type=\"diffuse\"/>\n</scene>");
     EXPECT_EQ(parsed.root->location.line, 5);
     EXPECT_EQ(parsed.root->childrenOf("bsdf").at(0)->location.line, 7);
 }
 
 TEST(Parser, Latin1IsConverted) {
-    const ParsedScene parsed = parseText("<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>"
-                                         "<scene version=\"3.0.0\"><bsdf type=\"diffuse\" id=\"gr\xfcn\"/></scene>");
+    const ParsedScene parsed = parseText(
+        "<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?>"
+        "<scene version=\"3.0.0\"><bsdf type=\"diffuse\" id=\"gr\xfcn\"/></scene>");
     EXPECT_EQ(parsed.root->childrenOf("bsdf").at(0)->id, "gr\xc3\xbcn");
 }
 

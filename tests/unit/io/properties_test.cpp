@@ -1,8 +1,8 @@
 /// Typed access to properties, what is left unread, and suggestions.
 
-#include <gmock/gmock.h>
-
 #include "support.h"
+
+#include <gmock/gmock.h>
 
 namespace metrolux {
 namespace {
@@ -16,7 +16,9 @@ using testing::HasSubstr;
 using testing::Not;
 
 ElementPtr firstBsdf(const std::string& body) {
-    return parseText(scene("<bsdf type=\"plastic\" id=\"b\">\n" + body + "\n</bsdf>")).root->childrenOf("bsdf").at(0);
+    return parseText(scene("<bsdf type=\"plastic\" id=\"b\">\n" + body + "\n</bsdf>"))
+        .root->childrenOf("bsdf")
+        .at(0);
 }
 
 TEST(Properties, AreReadByType) {
@@ -37,7 +39,8 @@ TEST(Properties, AreReadByType) {
 }
 
 TEST(Properties, WrongTypesNameWhatWasFoundAndExpected) {
-    const ElementPtr element = firstBsdf("<string name=\"alpha\" value=\"ggx\"/><float name=\"n\" value=\"2\"/>");
+    const ElementPtr element =
+        firstBsdf("<string name=\"alpha\" value=\"ggx\"/><float name=\"n\" value=\"2\"/>");
     EXPECT_THAT(errorOf([&] { element->number("alpha", 0); }),
                 AllOf(HasSubstr("scene.xml:3:"), HasSubstr("<bsdf type=\"plastic\">"), HasSubstr("\"alpha\""),
                       HasSubstr("\"ggx\""), HasSubstr("expected a <float>")));
@@ -55,14 +58,17 @@ TEST(Properties, NumbersOutsideOfFloatAreRefused) {
 }
 
 TEST(Properties, WhatIsNotReadIsAnErrorWithTheNearestName) {
-    const ElementPtr element = firstBsdf("<float name=\"intIOR\" value=\"1.5\"/>\n<rgb name=\"zzz\" value=\"1\"/>");
+    const ElementPtr element =
+        firstBsdf("<float name=\"intIOR\" value=\"1.5\"/>\n<rgb name=\"zzz\" value=\"1\"/>");
     element->number("int_ior", 1.5f);
     element->number("ext_ior", 1);
     std::vector<std::string> warnings;
-    EXPECT_THAT(errorOf([&] { element->checkAllUsed(false, warnings); }),
-                AllOf(HasSubstr("scene.xml:3:"), HasSubstr("\"intIOR\""), HasSubstr("did you mean \"int_ior\"?")));
+    EXPECT_THAT(
+        errorOf([&] { element->checkAllUsed(false, warnings); }),
+        AllOf(HasSubstr("scene.xml:3:"), HasSubstr("\"intIOR\""), HasSubstr("did you mean \"int_ior\"?")));
 
-    const ElementPtr again = firstBsdf("<float name=\"intIOR\" value=\"1.5\"/>\n<rgb name=\"zzz\" value=\"1\"/>");
+    const ElementPtr again =
+        firstBsdf("<float name=\"intIOR\" value=\"1.5\"/>\n<rgb name=\"zzz\" value=\"1\"/>");
     again->number("int_ior", 1.5f);
     again->checkAllUsed(true, warnings);
     ASSERT_EQ(warnings.size(), 2u);
@@ -73,8 +79,9 @@ TEST(Properties, ChildrenThatNothingTakesAreErrors) {
     const ElementPtr element = firstBsdf("<bsdf type=\"diffuse\"/>\n<emitter type=\"area\"/>");
     EXPECT_EQ(element->childrenOf("bsdf").size(), 1u);
     std::vector<std::string> warnings;
-    EXPECT_THAT(errorOf([&] { element->checkAllUsed(false, warnings); }),
-                AllOf(HasSubstr("scene.xml:4:"), HasSubstr("<emitter type=\"area\">"), HasSubstr("not expected")));
+    EXPECT_THAT(
+        errorOf([&] { element->checkAllUsed(false, warnings); }),
+        AllOf(HasSubstr("scene.xml:4:"), HasSubstr("<emitter type=\"area\">"), HasSubstr("not expected")));
 }
 
 TEST(Properties, ChildrenAreFoundWithAndWithoutNamesInOrder) {
@@ -88,7 +95,8 @@ TEST(Properties, ChildrenAreFoundWithAndWithoutNamesInOrder) {
 }
 
 TEST(Properties, NearestName) {
-    const std::vector<std::string> names = {"reflectance", "specular_reflectance", "alpha", "alpha_u", "eta", "k"};
+    const std::vector<std::string> names = {
+        "reflectance", "specular_reflectance", "alpha", "alpha_u", "eta", "k"};
     EXPECT_EQ(nearestName("reflectanc", names), "reflectance");
     EXPECT_EQ(nearestName("specularReflectance", names), "specular_reflectance");
     EXPECT_EQ(nearestName("alphaU", names), "alpha_u");

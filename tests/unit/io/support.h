@@ -1,13 +1,13 @@
 #pragma once
 /// A folder that is removed after the test, and what the parser says about a text.
 
+#include "io/mitsuba/parser.h"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 #include <string>
-
-#include "io/mitsuba/parser.h"
 
 namespace metrolux::test {
 
@@ -41,7 +41,8 @@ inline std::string scene(const std::string& body, const std::string& version = "
     return "<scene version=\"" + version + "\">\n" + body + "\n</scene>\n";
 }
 
-inline mitsuba::ParsedScene parseText(const std::string& text, const std::map<std::string, std::string>& defines = {}) {
+inline mitsuba::ParsedScene parseText(const std::string& text,
+                                      const std::map<std::string, std::string>& defines = {}) {
     const TemporaryFolder folder;
     return mitsuba::parseScene(folder.write("scene.xml", text), defines);
 }

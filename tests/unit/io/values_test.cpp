@@ -2,11 +2,12 @@
 
 #include "io/mitsuba/values.h"
 
+#include "support.h"
+
 #include <gmock/gmock.h>
 
 #include <clocale>
-
-#include "support.h"
+#include <locale>
 
 namespace metrolux::mitsuba {
 namespace {
@@ -20,17 +21,25 @@ TEST(Values, Numbers) {
     EXPECT_EQ(parseNumber(" +2.5e-3\n"), 2.5e-3);
     EXPECT_EQ(parseNumber("-.5"), -0.5);
     EXPECT_EQ(parseNumber("1e-400"), 0.0);  // underflow is not an error
-    for (const char* bad : {"", " ", "abc", "1.5f", "1,5", "1 2", "0x10", "nan", "NaN", "-nan", "inf", "-Infinity", "1e400",
-                            "--1", "+-1", "1e", "1..2"})
+    for (const char* bad : {"", " ", "abc", "1.5f", "1,5", "1 2", "0x10", "nan", "NaN", "-nan", "inf",
+                            "-Infinity", "1e400", "--1", "+-1", "1e", "1..2"})
         EXPECT_THROW(parseNumber(bad), Error) << bad;
     EXPECT_EQ(parseFloat("3e38"), 3e38f);
     EXPECT_THROW(parseFloat("1e39"), Error);
 }
 
+/// The decimal comma of a locale that need not be installed.
+struct DecimalComma : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+};
+
 TEST(Values, NumbersDoNotDependOnTheLocale) {
     const std::string before = std::setlocale(LC_ALL, nullptr);
-    if (!std::setlocale(LC_ALL, "de_DE.UTF-8")) GTEST_SKIP() << "no German locale";
+    std::setlocale(LC_ALL, "de_DE.UTF-8");  // where it is installed
+    const std::locale global = std::locale::global(std::locale(std::locale::classic(), new DecimalComma));
     EXPECT_EQ(parseNumber("1.5"), 1.5);
+    EXPECT_THROW(parseNumber("1,5"), Error);
+    std::locale::global(global);
     std::setlocale(LC_ALL, before.c_str());
 }
 
@@ -61,14 +70,15 @@ TEST(Values, Spectra) {
     const SpectrumValue list = parseSpectrum("400:0.1, 500:0.2\n600:0.3");
     EXPECT_THAT(list.wavelengths, ElementsAre(400, 500, 600));
     EXPECT_THAT(list.values, ElementsAre(0.1f, 0.2f, 0.3f));
-    for (const char* bad : {"", "0.1 0.2 0.3", "400:0.1", "500:1, 400:1", "400:1, 400:2", "400:1, 500", "400:x, 500:1",
-                            "-1:1, 2:1", "400:nan, 500:1", "400:1:2, 500:1"})
+    for (const char* bad : {"", "0.1 0.2 0.3", "400:0.1", "500:1, 400:1", "400:1, 400:2", "400:1, 500",
+                            "400:x, 500:1", "-1:1, 2:1", "400:nan, 500:1", "400:1:2, 500:1"})
         EXPECT_THROW(parseSpectrum(bad), Error) << bad;
 }
 
 TEST(Values, SpectrumFiles) {
     const test::TemporaryFolder folder;
-    const SpectrumValue read = readSpectrumFile(folder.write("a.spd", "# comment\n400 0.5\r\n\n500, 0.25 # more\n"));
+    const SpectrumValue read =
+        readSpectrumFile(folder.write("a.spd", "# comment\n400 0.5\r\n\n500, 0.25 # more\n"));
     EXPECT_THAT(read.wavelengths, ElementsAre(400, 500));
     EXPECT_THAT(read.values, ElementsAre(0.5f, 0.25f));
     const auto bad = folder.write("b.spd", "400 0.5\n450 high\n");

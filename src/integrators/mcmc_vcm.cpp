@@ -59,7 +59,7 @@ struct Lane {
     PrimarySample lastVisible;  ///< the last visible uniform sample: replaces a chain's state that became invisible
     State uniform, proposal;    ///< kept for their memory
     uint64_t seeded = 0, swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
-    Normalisation::LaneSums sums;
+    Normalisation::Samples samples;
 };
 
 class McmcVcmIntegrator final : public Integrator {
@@ -68,8 +68,7 @@ class McmcVcmIntegrator final : public Integrator {
         : scene_(scene),
           options_(options),
           partition_(scene.camera().window(), options),
-          radius_(projectedPixelRadius(scene, options), options.radiusAlpha),
-          normalisation_(laneCount(options)) {
+          radius_(projectedPixelRadius(scene, options), options.radiusAlpha) {
         for (const char c : options.replicas)
             if (c != 'u' && c != 'v' && c != 'f')
                 throw Error("replicas: found '{}', expected a combination of the letters u, v, f", options.replicas);
@@ -79,7 +78,7 @@ class McmcVcmIntegrator final : public Integrator {
         if (!useUniform_ && !useVisibility_ && !useContribution_)
             throw Error("replicas: found nothing, expected a combination of the letters u, v, f");
         const auto kind = options.kelemenKernel ? MutationKernel::Kind::Kelemen : MutationKernel::Kind::Adaptive;
-        for (int i = 0; i < laneCount(options); ++i) lanes_.emplace_back(options.seed, i, kind);
+        for (int i = 0; i < laneCount(); ++i) lanes_.emplace_back(options.seed, i, kind);
     }
 
     void renderPass(Film& film) override {
@@ -96,14 +95,28 @@ class McmcVcmIntegrator final : public Integrator {
     std::string progressNote() const override;
 
   private:
-    static int laneCount(const IntegratorOptions& options) { return options.lanes > 0 ? options.lanes : 64; }
+    /// A fixed number that depends on the image only: chains that are long enough in an iteration to follow its targets,
+    /// and enough of them for many threads.
+    int laneCount() const {
+        constexpr int kStepsPerIteration = 256, kFewest = 8, kMost = 64;
+        if (options_.lanes > 0) return options_.lanes;
+        const int samples = static_cast<int>(partition_.pixels(0).size());
+        return std::clamp(samples / (3 * kStepsPerIteration), kFewest, kMost);
+    }
 
     void iterate(Film& film, std::span<const uint32_t> pixels, size_t first);
     ReplicaMixture mixture(size_t samples) const;
+    void collectSamples();
     void seedChains(uint32_t pass, size_t first, const std::vector<double>& sizes);
     void runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t steps, Film& film,
                  double filmShare) const;
-    void revive(Lane& lane, const LightPass& pass) const;
+    void renewStates(const LightPass& pass, uint32_t passIndex);
+    template <class Select>
+    void resample(const std::vector<double>& ratios, CounterRng& rng, Select&& select);
+    static void evaluate(const LightPass& pass, SampleStream& stream, Contribution& c) {
+        pass.evaluate(stream, c.splats);
+        c.size = c.splats.size();
+    }
 
     const Scene& scene_;
     IntegratorOptions options_;
@@ -111,6 +124,7 @@ class McmcVcmIntegrator final : public Integrator {
     RadiusSchedule radius_;
     bool useUniform_, useVisibility_, useContribution_;
     bool chainsReady_ = false;
+    uint64_t iteration_ = 0;
     std::vector<Lane> lanes_;
     Normalisation normalisation_;
     EyeVertices eyes_;
@@ -129,8 +143,8 @@ ReplicaMixture McmcVcmIntegrator::mixture(size_t samples) const {
         mix.uniform = double(samples);
         return mix;
     }
-    mix.bVisibility = normalisation_.visibility().value;
-    mix.bContribution = normalisation_.contribution().value;
+    mix.bVisibility = normalisation_.visibility();
+    mix.bContribution = normalisation_.contribution();
     // Each lane takes steps of one sample of every replica in use; the counts are those really taken.
     const int kinds = useUniform_ + useVisibility_ + useContribution_;
     const size_t lanes = lanes_.size();
@@ -156,16 +170,25 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
     if (!chainsReady_) {
         std::vector<double> sizes;
         plainLightPass(pass, film, options_.seed, film.passes(), first, pixels.size(), filmShare, &sizes);
-        for (const double size : sizes) normalisation_.addUniform(size);
+        // Shared out among the lanes, so that the jackknife over lanes covers them.
+        const size_t lanes = lanes_.size();
+        for (size_t i = 0; i < sizes.size(); ++i) lanes_[i % lanes].samples.addUniform(sizes[i]);
+        collectSamples();
         seedChains(film.passes(), first, sizes);
         return;
     }
+    renewStates(pass, film.passes());
     const size_t steps = static_cast<size_t>(std::max({mix.uniform, mix.visibility, mix.contribution})) / lanes_.size();
     parallelFor(lanes_.size(), [&](size_t i) { runLane(lanes_[i], pass, mix, steps, film, filmShare); });
+    collectSamples();
+}
+
+void McmcVcmIntegrator::collectSamples() {
     for (size_t i = 0; i < lanes_.size(); ++i) {
-        normalisation_.add(static_cast<int>(i), lanes_[i].sums);
-        lanes_[i].sums = {};
+        normalisation_.add(static_cast<int>(i), lanes_[i].samples);
+        lanes_[i].samples.clear();
     }
+    normalisation_.update();
 }
 
 void McmcVcmIntegrator::seedChains(uint32_t pass, size_t first, const std::vector<double>& sizes) {
@@ -195,40 +218,63 @@ void McmcVcmIntegrator::seedChains(uint32_t pass, size_t first, const std::vecto
     chainsReady_ = true;
 }
 
-void McmcVcmIntegrator::revive(Lane& lane, const LightPass& pass) const {
-    const auto evaluate = [&](SampleStream& stream, Contribution& c) {
-        pass.evaluate(stream, c.splats);
-        c.size = c.splats.size();
-    };
-    lane.visibility.reevaluate(evaluate, lane.rng);
-    lane.contribution.reevaluate(evaluate, lane.rng);
-    const bool lost[2] = {!lane.visibility.state().value.visible(), !lane.contribution.state().value.visible()};
-    if (!lost[0] && !lost[1]) return;
+void McmcVcmIntegrator::renewStates(const LightPass& pass, uint32_t passIndex) {
+    // The eye vertices and the radius are new, and with them the targets: every state is evaluated again.
+    const auto sizeBefore = [](const auto& chain) { return chain.target(chain.state().value); };
+    std::vector<double> visibilityRatio(lanes_.size()), contributionRatio(lanes_.size());
+    parallelFor(lanes_.size(), [&](size_t i) {
+        Lane& lane = lanes_[i];
+        const auto renew = [&](auto& chain) {
+            const double before = sizeBefore(chain);
+            chain.reevaluate([&](SampleStream& u, Contribution& c) { evaluate(pass, u, c); }, lane.rng);
+            // States fresh from the seeding pass were drawn by their size in it, which is not kept: ratio one.
+            return before > 0 ? sizeBefore(chain) / before : (sizeBefore(chain) > 0 ? 1.0 : 0.0);
+        };
+        visibilityRatio[i] = renew(lane.visibility);
+        contributionRatio[i] = renew(lane.contribution);
+    });
 
-    // The scene's visibility has changed under the state: a visible uniform sample takes its place. The last one that the
-    // lane has seen is tried first, then fresh ones; while none is found the replica idles, which only loses samples.
-    constexpr int kFreshTries = 64;
-    State fresh;
-    fresh.u = lane.lastVisible;
-    for (int attempt = 0; attempt <= kFreshTries; ++attempt) {
-        if (attempt > 0) fresh.u.clear();
-        PrimarySampleStream stream(fresh.u, lane.rng);
-        evaluate(stream, fresh.value);
-        if (fresh.value.visible()) break;
+    // The states follow the old targets. Resampling them among the lanes by new / old target makes them follow the new
+    // ones (a step of sequential Monte Carlo). Going on from them as they are was tried first: each iteration then starts
+    // with sizes that are too small on average, and short chains render too dark. States that have become invisible
+    // have ratio zero and are replaced by copies of others.
+    CounterRng rng(hashKey(options_.seed, StreamPurpose::Replacement, passIndex, iteration_++));
+    resample(visibilityRatio, rng, [](Lane& lane) -> State& { return lane.visibility.state(); });
+    resample(contributionRatio, rng, [](Lane& lane) -> State& { return lane.contribution.state(); });
+}
+
+template <class Select>
+void McmcVcmIntegrator::resample(const std::vector<double>& ratios, CounterRng& rng, Select&& select) {
+    const DiscreteDistribution distribution(ratios);
+    if (distribution.empty()) {
+        // Every state was lost: the last visible uniform sample of each lane is the best that is known; if it is invisible
+        // too, the replica idles until a uniform sample is seen, which only loses samples.
+        for (Lane& lane : lanes_) select(lane).u = lane.lastVisible;
+        return;
     }
-    if (!fresh.value.visible()) return;
-    ++lane.replaced;
-    if (lost[0]) lane.visibility.state() = fresh;
-    if (lost[1]) lane.contribution.state() = fresh;
+    // Systematic: a state of average ratio survives once.
+    std::vector<int> copies(lanes_.size(), 0);
+    const double offset = rng.nextDouble();
+    for (size_t i = 0; i < lanes_.size(); ++i) {
+        float u = std::min(static_cast<float>((double(i) + offset) / double(lanes_.size())), kOneMinusEpsilon);
+        ++copies[distribution.sample(u)];
+    }
+    size_t source = 0;
+    for (size_t i = 0; i < lanes_.size(); ++i) {
+        if (copies[i] > 0) continue;
+        while (copies[source] < 2) ++source;
+        --copies[source];
+        State& lost = select(lanes_[i]);
+        const State& kept = select(lanes_[source]);
+        lost.u = kept.u;
+        lost.value = kept.value;
+        ++lanes_[i].replaced;
+    }
 }
 
 void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t steps,
                                 Film& film, double filmShare) const {
-    const auto evaluate = [&](SampleStream& stream, Contribution& c) {
-        pass.evaluate(stream, c.splats);
-        c.size = c.splats.size();
-    };
-    revive(lane, pass);
+    const auto evaluateHere = [&](SampleStream& stream, Contribution& c) { evaluate(pass, stream, c); };
     for (size_t step = 0; step < steps; ++step) {
         bool fresh = false;  // the visibility replica has received this step's uniform sample
         if (useUniform_) {
@@ -236,9 +282,8 @@ void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const Replica
             u.u.clear();
             u.weight = 0;
             PrimarySampleStream stream(u.u, lane.rng);
-            evaluate(stream, u.value);
-            lane.sums.uniformVisible.add(u.value.visible() ? 1.0 : 0.0);
-            lane.sums.uniformSize.add(u.value.size);
+            evaluate(pass, stream, u.value);
+            lane.samples.addUniform(u.value.size);
             if (u.value.visible()) {
                 lane.lastVisible = u.u;
                 u.weight = mix.weight(u.value);
@@ -255,21 +300,20 @@ void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const Replica
         }
         if (useVisibility_) {
             if (!fresh) {
-                const double a = lane.visibility.propose(evaluate, lane.proposal, lane.rng);
+                const double a = lane.visibility.propose(evaluateHere, lane.proposal, lane.rng);
                 if (lane.visibility.decide(a, lane.proposal, lane.rng)) payOut(lane.proposal, film, filmShare);
             }
             State& v = lane.visibility.state();
             v.weight += mix.weight(v.value);
-            if (v.value.visible()) {
-                lane.sums.visibilitySize += v.value.size;
-                ++lane.sums.visibilityCount;
-            }
+            if (v.value.visible()) lane.samples.addVisibility(v.value.size);
         }
         if (useContribution_) {
             ContributionChain& chain = lane.contribution;
-            const double a = chain.propose(evaluate, lane.proposal, lane.rng);
+            const double a = chain.propose(evaluateHere, lane.proposal, lane.rng);
             lane.proposal.weight = a * mix.weight(lane.proposal.value);
             chain.state().weight += (1.0 - a) * mix.weight(chain.state().value);
+            lane.samples.addContribution(lane.proposal.value.size, a);
+            lane.samples.addContribution(chain.state().value.size, 1.0 - a);
             chain.decide(a, lane.proposal, lane.rng);
             payOut(lane.proposal, film, filmShare);  // the one of the two that the chain has left
             if (useVisibility_ && lane.visibility.state().value.visible()) {
@@ -310,10 +354,11 @@ nlohmann::json McmcVcmIntegrator::statistics() const {
             {"lanes", lanes_.size()},
             {"replicas", options_.replicas},
             {"kernel", options_.kelemenKernel ? "kelemen" : "adaptive"},
-            {"b_v", estimate(normalisation_.visibility())},
-            {"b_f", estimate(normalisation_.contribution())},
+            {"b_v", estimate(normalisation_.visibilityEstimate())},
+            {"b_v_from_uniform", estimate(normalisation_.visibilityFromUniform())},
+            {"b_f", estimate(normalisation_.contributionEstimate())},
             {"b_f_from_uniform", estimate(normalisation_.contributionFromUniform())},
-            {"b_f_from_visibility", estimate(normalisation_.contributionFromVisibility())},
+            {"b_f_from_visibility", normalisation_.contributionFromVisibility()},
             {"visibility_chain",
              {{"tried", tried[0]}, {"accepted", accepted[0]}, {"acceptance", share(accepted[0], tried[0])},
               {"theta_mean", theta[0]}}},
@@ -336,7 +381,7 @@ std::string McmcVcmIntegrator::progressNote() const {
     }
     const auto share = [&](int k) { return tried[k] ? double(accepted[k]) / double(tried[k]) : 0.0; };
     return fmt::format("acceptance V {:.2f} F {:.2f}, b_V {:.2g}", share(0), share(1),
-                       normalisation_.visibility().value);
+                       normalisation_.visibility());
 }
 
 }  // namespace

@@ -148,12 +148,12 @@ void traceLightSubpath(const Scene& scene, SampleStream& stream, const PathLimit
     v.distanceToPrevious = (v.si.p - start->origin).length();
     edge.distanceSquared = sqr(double(v.distanceToPrevious));
     if (!(edge.cosineSurface > 0)) return;
-    edge.connect = scene.connectionProbability(v.si.p, choice.light);
+    // Zero for a light that next-event estimation cannot reach (a collimated beam): then nee is no technique.
+    edge.connect = choice.light->isConnectable() ? scene.connectionProbability(v.si.p, choice.light) : 0.0;
     if (edge.kind == EndpointKind::Surface)
         edge.connect *= choice.light->densities(v.si.p, start->surface).connect;
     else if (!edge.delta)
         edge.connect *= choice.light->environmentDensities(v.si.p, -start->direction).connect;
-    if (!(edge.connect > 0)) return;
 
     v.toPrevious = -start->direction;
     v.throughput = start->weight * (1.0f / choice.probability);

@@ -93,7 +93,7 @@ int runCommandLine(int argc, char** argv) {
 int main(int argc, char** argv) {
     using namespace metrolux::app;
     spdlog::set_default_logger(spdlog::stderr_color_mt("metrolux"));
-    spdlog::set_pattern("%^%v%$");
+    spdlog::set_pattern("%^[%l]%$ %v");
     try {
         return runCommandLine(argc, argv);
     } catch (const metrolux::Error& error) {

@@ -1,14 +1,14 @@
 #pragma once
+#include "base/math.h"
+#include "endpoint/camera.h"
+#include "image/filter.h"
+#include "image/splat.h"
+
 #include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <vector>
-
-#include "base/math.h"
-#include "endpoint/camera.h"
-#include "image/filter.h"
-#include "image/splat.h"
 
 namespace metrolux {
 
@@ -28,9 +28,9 @@ class Film {
     int height() const { return window_.height; }
     int pixelCount() const { return window_.pixelCount(); }
 
-    /// Raster position (pixels of the full image) for the eye subpath of pixel `pixel` (index in the window), drawn
-    /// from the reconstruction filter; `weight` is the filter's sign and normalisation, to be multiplied into the
-    /// subpath's throughput.
+    /// Raster position (pixels of the full image) for the eye subpath of pixel `pixel` (index in the window),
+    /// drawn from the reconstruction filter; `weight` is the filter's sign and normalisation, to be
+    /// multiplied into the subpath's throughput.
     Vec2f samplePosition(uint32_t pixel, const Vec2f& u, float& weight) const;
 
     /// Adds to a pixel what its own eye subpath found. One task per pixel; not atomic.
@@ -46,11 +46,12 @@ class Film {
 
     /// Mean over passes, row by row, 3 floats a pixel.
     std::vector<float> image() const;
-    /// Variance of the mean of the luminance of each pixel, from the differences between passes. For chain-based
-    /// integrators passes are correlated and this is too small: see relativeError().
+    /// Variance of the mean of the luminance of each pixel, from the differences between passes. For
+    /// chain-based integrators passes are correlated and this is too small: see relativeError().
     std::vector<float> variance() const;
-    /// Estimated root of the mean squared relative error of the image, from a fixed subset of pixels and blocked
-    /// (Flyvbjerg & Petersen 1989) pass means, which holds for correlated passes too. Infinity before it is known.
+    /// Estimated root of the mean squared relative error of the image, from a fixed subset of pixels and
+    /// blocked (Flyvbjerg & Petersen 1989) pass means, which holds for correlated passes too. Infinity before
+    /// it is known.
     double relativeError() const;
 
     /// Non-finite contributions were counted instead of added (ARCHITECTURE.md).

@@ -1,12 +1,12 @@
 #pragma once
-#include <vector>
-
 #include "base/math.h"
+
+#include <vector>
 
 namespace metrolux {
 
-/// What one light subpath contributes: to the pixel of an eye subpath (connections and merges), or to a raster
-/// position (connections to the camera), which the film spreads with its filter.
+/// What one light subpath contributes: to the pixel of an eye subpath (connections and merges), or to a
+/// raster position (connections to the camera), which the film spreads with its filter.
 struct SplatList {
     struct PixelSplat {
         uint32_t pixel;  ///< index within the rendered window, row by row

@@ -3,7 +3,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 BUILD := build
 PACKAGES := $(shell cat packages.txt)
 
-.PHONY: demo test setup build debug-test format tidy clean
+.PHONY: demo test setup build debug-test gallery format tidy clean
 
 setup:
 	@dpkg-query -W -f='$${Status}\n' $(PACKAGES) 2>/dev/null | grep -c '^install ok installed$$' | \
@@ -24,6 +24,9 @@ debug-test: setup
 	cmake --preset debug
 	cmake --build --preset debug
 	ctest --preset debug
+
+gallery: build
+	tools/gallery.sh
 
 format:
 	git ls-files '*.cpp' '*.h' | xargs clang-format -i

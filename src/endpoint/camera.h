@@ -1,17 +1,11 @@
 #pragma once
 #include "base/transform.h"
 #include "endpoint/endpoint.h"
+#include "image/film_window.h"
 
 #include <memory>
 
 namespace metrolux {
-
-/// The part of the image that is rendered, in pixels of the full image.
-struct FilmWindow {
-    int fullWidth = 768, fullHeight = 576;
-    int x = 0, y = 0, width = 768, height = 576;
-    int pixelCount() const { return width * height; }
-};
 
 /// A camera. Its densities are over the whole rendered window: a raster position is one of pixelCount() unit
 /// squares.

@@ -1,6 +1,6 @@
 #pragma once
 #include "base/math.h"
-#include "endpoint/camera.h"
+#include "image/film_window.h"
 #include "image/filter.h"
 #include "image/splat.h"
 

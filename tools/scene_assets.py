@@ -156,8 +156,8 @@ def chess_queen():
 
 
 def water():
-    waves = [(0.010, 2.1, 0.6, 0.3), (0.008, -1.3, 2.9, 1.7), (0.006, 4.3, 3.1, 4.0), (0.005, -3.7, 5.2, 2.2),
-             (0.003, 7.4, -4.9, 0.9)]
+    waves = [(0.020, 3.1, 1.6, 0.3), (0.013, -4.7, 5.9, 1.7), (0.011, 7.3, 4.4, 4.0), (0.009, -6.1, -9.2, 2.2),
+             (0.006, 12.4, -6.9, 0.9), (0.004, 5.2, 15.1, 3.3)]
 
     def height(x, z):
         return sum(a * math.sin(kx * x + kz * z + phase) for a, kx, kz, phase in waves)
@@ -191,7 +191,7 @@ def sky(width, height):
         glow = 0.9 * max(cos_sun, 0.0) ** 40 + 0.15 * max(cos_sun, 0.0) ** 4
         if d[1] < 0:
             glow = 0
-        disk = 420.0 if cos_sun > math.cos(math.radians(2.6)) else 0.0
+        disk = 560.0 if cos_sun > math.cos(math.radians(2.6)) else 0.0
         return tuple(b + glow * g + disk * s
                      for b, g, s in zip(base, (1.0, 0.85, 0.6), (1.0, 0.86, 0.66)))
 

@@ -43,25 +43,6 @@ std::string countsText(const std::map<std::string, size_t>& counts) {
     return text.empty() ? "none" : text;
 }
 
-const char* filterName(ReconstructionFilter::Kind kind) {
-    using Kind = ReconstructionFilter::Kind;
-    switch (kind) {
-        case Kind::Box:
-            return "box";
-        case Kind::Tent:
-            return "tent";
-        case Kind::Gaussian:
-            return "gaussian";
-        case Kind::Mitchell:
-            return "mitchell";
-        case Kind::CatmullRom:
-            return "catmullrom";
-        case Kind::Lanczos:
-            return "lanczos";
-    }
-    return "unknown";
-}
-
 struct Census {
     std::map<std::string, size_t> shapes, bsdfs, lights;
     size_t primitives = 0;

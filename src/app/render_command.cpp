@@ -30,7 +30,7 @@ Ctrl-C ends the pass in progress, writes the image and exits with status 3; a se
 The same scene, options and number of passes give the same image on any number of threads.)";
 
 struct RenderArguments {
-    std::string scene, time, memory, resolution, crop, curve = "srgb", stats;
+    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter;
     std::vector<std::string> outputs, defines, aovs;
     SessionOptions session;
     int threads = 0;
@@ -98,6 +98,11 @@ void addSceneOptions(CLI::App& app, RenderArguments& a) {
         ->group(group);
     app.add_option("--crop", a.crop, "Render this part of the image only, in pixels")
         ->option_text("X,Y,WIDTH,HEIGHT")
+        ->group(group);
+    app.add_option("--filter", a.filter,
+                   "Reconstruction filter in place of the scene's, with its default width:\nbox, tent, "
+                   "gaussian, mitchell, catmullrom, lanczos")
+        ->option_text("NAME")
         ->group(group);
     app.add_flag("--lenient", a.lenient,
                  "Warn of unknown plugins and parameters instead of refusing the scene")
@@ -244,6 +249,10 @@ int render(RenderArguments& a, const CLI::App& app) {
     return limit.execute([&] {
         SceneParts parts = loadScene(a.scene, load);
         for (const std::string& warning : parts.warnings) spdlog::warn("{}", warning);
+        if (!a.filter.empty()) {
+            parts.filterKind = filterKind(a.filter);
+            parts.filter = {};
+        }
         const Scene scene(std::move(parts));
         PathLimits& limits = a.session.integratorOptions.limits;
         limits = scene.parts().limits;

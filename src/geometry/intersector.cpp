@@ -227,14 +227,16 @@ Intersector::Intersector(const std::vector<ShapePtr>& shapes, const std::vector<
 Intersector::~Intersector() = default;
 
 bool Intersector::intersect(const Ray& ray, SurfaceInteraction& si) const {
-    const RayTimer timer(&RayCounters::intersectRays);
     QueryContext context;
     rtcInitIntersectContext(&context.embree);
     RTCRayHit query;
     query.ray = toEmbree(ray);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(impl_->top.scene, &context.embree, &query);
+    {
+        const RayTimer timer(&RayCounters::intersectRays);
+        rtcIntersect1(impl_->top.scene, &context.embree, &query);
+    }
     const RTCHit& hit = query.hit;
     if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
 

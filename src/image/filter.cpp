@@ -1,6 +1,7 @@
 #include "image/filter.h"
 
 #include "base/error.h"
+#include "base/suggest.h"
 
 namespace metrolux {
 namespace {
@@ -144,6 +145,34 @@ float ReconstructionFilter::evaluate(int pixel, int size, float x) const {
     const Cut range = cut(pixel, size);
     return h /
            static_cast<float>(interpolate(signedCdf_, range.upper) - interpolate(signedCdf_, range.lower));
+}
+
+const std::vector<std::pair<std::string, ReconstructionFilter::Kind>>& filterNames() {
+    using Kind = ReconstructionFilter::Kind;
+    static const std::vector<std::pair<std::string, Kind>> names{{"box", Kind::Box},
+                                                                 {"tent", Kind::Tent},
+                                                                 {"gaussian", Kind::Gaussian},
+                                                                 {"mitchell", Kind::Mitchell},
+                                                                 {"catmullrom", Kind::CatmullRom},
+                                                                 {"lanczos", Kind::Lanczos}};
+    return names;
+}
+
+const std::string& filterName(ReconstructionFilter::Kind kind) {
+    for (const auto& [name, k] : filterNames())
+        if (k == kind) return name;
+    throw Error("reconstruction filter {} has no name", static_cast<int>(kind));
+}
+
+ReconstructionFilter::Kind filterKind(const std::string& name) {
+    std::vector<std::string> known;
+    for (const auto& [candidate, kind] : filterNames()) {
+        if (candidate == name) return kind;
+        known.push_back(candidate);
+    }
+    const std::string near = nearestName(name, known);
+    throw Error("unknown reconstruction filter '{}'{}; known: {}", name,
+                near.empty() ? "" : fmt::format(", did you mean '{}'?", near), fmt::join(known, ", "));
 }
 
 }  // namespace metrolux

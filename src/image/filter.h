@@ -48,4 +48,10 @@ class ReconstructionFilter {
     std::vector<uint32_t> guide_;  // where to begin the search in absCdf_, for equal shares of its total
 };
 
+/// Mitsuba's names: box, tent, gaussian, mitchell, catmullrom, lanczos.
+const std::vector<std::pair<std::string, ReconstructionFilter::Kind>>& filterNames();
+const std::string& filterName(ReconstructionFilter::Kind kind);
+/// Throws Error for an unknown name, with the nearest known one.
+ReconstructionFilter::Kind filterKind(const std::string& name);
+
 }  // namespace metrolux

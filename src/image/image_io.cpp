@@ -5,6 +5,8 @@
 
 #include <OpenImageIO/imageio.h>
 
+#include <array>
+
 namespace metrolux {
 namespace {
 
@@ -128,9 +130,15 @@ ImageData readImage(const fs::path& file, bool raw) {
 
     if (!raw && !spec.format.is_floating_point()) {
         const int colours = image.channels % 2 == 0 ? image.channels - 1 : image.channels;
-        for (size_t i = 0; i < image.pixels.size(); ++i)
-            if (static_cast<int>(i % static_cast<size_t>(image.channels)) < colours)
-                image.pixels[i] = decodeSrgb(image.pixels[i]);
+        // Files of 8 bits have 256 values: a table saves the power function for each texel.
+        const bool bytes = spec.format == OIIO::TypeDesc::UINT8;
+        std::array<float, 256> table;
+        for (size_t v = 0; v < table.size(); ++v) table[v] = decodeSrgb(static_cast<float>(v) / 255.0f);
+        for (size_t i = 0; i < image.pixels.size(); ++i) {
+            if (static_cast<int>(i % static_cast<size_t>(image.channels)) >= colours) continue;
+            float& value = image.pixels[i];
+            value = bytes ? table[static_cast<size_t>(std::lround(value * 255.0f))] : decodeSrgb(value);
+        }
     }
     return image;
 }

@@ -21,15 +21,9 @@ ElementPtr onlyChild(const Element& element, const std::string& tag) {
 
 void readFilter(const Element& element, LoadContext& context, SceneParts& parts) {
     using Kind = ReconstructionFilter::Kind;
-    const std::vector<std::pair<std::string, Kind>> kinds = {{"box", Kind::Box},
-                                                             {"tent", Kind::Tent},
-                                                             {"gaussian", Kind::Gaussian},
-                                                             {"mitchell", Kind::Mitchell},
-                                                             {"catmullrom", Kind::CatmullRom},
-                                                             {"lanczos", Kind::Lanczos}};
     bool known = false;
     std::vector<std::string> names;
-    for (const auto& [name, kind] : kinds) {
+    for (const auto& [name, kind] : filterNames()) {
         names.push_back(name);
         if (element.type == name) {
             parts.filterKind = kind;

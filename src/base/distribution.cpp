@@ -51,6 +51,23 @@ Distribution2D::Distribution2D(std::span<const float> values, int width, int hei
         for (double& c : rowCdf_) c /= total;
 }
 
+namespace {
+
+int cellOf(float coordinate, int cells) {
+    return std::clamp(static_cast<int>(coordinate * static_cast<float>(cells)), 0, cells - 1);
+}
+
+/// A coordinate of the unit interval that cellOf() finds in `cell`: rounding may not move it to a neighbour, whose density
+/// is another one.
+float coordinateIn(int cell, float fraction, int cells) {
+    float x = std::min(static_cast<float>((cell + double(fraction)) / cells), kOneMinusEpsilon);
+    while (cellOf(x, cells) > cell) x = std::nextafter(x, 0.0f);
+    while (cellOf(x, cells) < cell) x = std::nextafter(x, 1.0f);
+    return x;
+}
+
+}  // namespace
+
 Vec2f Distribution2D::sample(const Vec2f& u, float& pdf) const {
     const auto it = std::upper_bound(rowCdf_.begin(), rowCdf_.end(), static_cast<double>(u.y));
     const int y = std::clamp(static_cast<int>(it - rowCdf_.begin()) - 1, 0, height_ - 1);
@@ -64,13 +81,11 @@ Vec2f Distribution2D::sample(const Vec2f& u, float& pdf) const {
     const float fx = width > 0 ? (u.x - cdf[x]) / width : 0.5f;
 
     pdf = static_cast<float>(rowWidth * height_) * width * static_cast<float>(width_);
-    return {std::min((x + std::min(fx, kOneMinusEpsilon)) / width_, kOneMinusEpsilon),
-            std::min((y + std::min(fy, kOneMinusEpsilon)) / height_, kOneMinusEpsilon)};
+    return {coordinateIn(x, fx, width_), coordinateIn(y, fy, height_)};
 }
 
 float Distribution2D::pdf(const Vec2f& point) const {
-    const int x = std::clamp(static_cast<int>(point.x * width_), 0, width_ - 1);
-    const int y = std::clamp(static_cast<int>(point.y * height_), 0, height_ - 1);
+    const int x = cellOf(point.x, width_), y = cellOf(point.y, height_);
     const float* cdf = &cdf_[size_t(y) * (width_ + 1)];
     return static_cast<float>((rowCdf_[y + 1] - rowCdf_[y]) * height_) * (cdf[x + 1] - cdf[x]) *
            static_cast<float>(width_);

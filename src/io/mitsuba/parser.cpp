@@ -66,6 +66,9 @@ class Parser {
         const bool isScene = tag == "scene";
         if (!isScene && (openFiles_.empty() || !contains(kObjectTags, tag)))
             throw nodeError(source, node, "unexpected root element, expected <scene version=\"...\">");
+        if (isScene && !name.empty())
+            throw nodeError(source, node,
+                            fmt::format("included under the name \"{}\", expected a single object", name));
         const File file{source, isLegacy(source, node)};
         files_.insert(path.string());
         openFiles_.push_back(fs::weakly_canonical(path));

@@ -22,8 +22,11 @@ void Normalisation::Samples::addVisibility(double size) {
 }
 
 void Normalisation::Samples::addContribution(double size, double weight) {
+    // A state that a new target has made invisible is no sample of the chain: counted in N_F but not among the visible
+    // samples it would take its place from the uniform ones, and b_V would fall without end.
+    if (!(size > 0 && weight > 0)) return;
     contribution_ += weight;
-    if (size > 0 && weight > 0) visible_.push_back({size, weight});
+    visible_.push_back({size, weight});
 }
 
 void Normalisation::Samples::clear() {
@@ -88,48 +91,62 @@ Normalisation::Solution Normalisation::solve(const Sums& s) const {
     std::vector<Bin> bins;
     for (int b = 0; b < kBins; ++b)
         if (s.weight[b] > 0) bins.push_back({s.weight[b], s.size[b] / s.weight[b]});
-    Solution x{bVisibility_, bContribution_};
-    if (bins.empty()) return x;
     // With no uniform samples the scale is unknown (a study of chains alone): the estimates stay what they were.
-    if (!(s.uniform > 0)) return x;
+    if (bins.empty() || !(s.uniform > 0)) return {bVisibility_, bContribution_};
 
-    // Root of a decreasing function of log b.
-    const auto root = [](auto&& excess, double start) {
-        double low = std::log(start) - 1, high = low + 2;
-        while (excess(std::exp(low)) < 0 && low > -600) low -= 4;
-        while (excess(std::exp(high)) > 0 && high < 600) high += 4;
-        for (int i = 0; i < 60 && high - low > 1e-12; ++i) {
-            const double middle = 0.5 * (low + high);
-            (excess(std::exp(middle)) > 0 ? low : high) = middle;
-        }
-        return std::exp(0.5 * (low + high));
+    // The fixed point is the minimum over x = log b_V, y = log b_F of the convex function
+    //     sum_j w_j log(N_U + N_V e^-x + N_F F_j e^-y) + N_V x + N_F y
+    // [Shirts & Chodera 2008]. Newton's method with halved steps finds it from anywhere.
+    const auto value = [&](double x, double y) {
+        double sum = s.visibility * x + s.contribution * y;
+        for (const Bin& j : bins)
+            sum += j.weight * std::log(s.uniform + s.visibility * std::exp(-x) + s.contribution * j.size * std::exp(-y));
+        return sum;
     };
-    // Dividing the fixed-point equations by b makes their sides monotonous in b.
-    constexpr int kRounds = 100;
-    for (int round = 0; round < kRounds; ++round) {
-        const Solution before = x;
-        x.visibility = root(
-            [&](double b) {
-                double sum = 0;
-                for (const Bin& j : bins)
-                    sum += j.weight / (s.uniform * b + s.visibility + s.contribution * j.size * b / x.contribution);
-                return sum - 1;
-            },
-            x.visibility);
-        x.contribution = root(
-            [&](double b) {
-                double sum = 0;
-                for (const Bin& j : bins)
-                    sum += j.weight / ((s.uniform + s.visibility / x.visibility) * b / j.size + s.contribution);
-                return sum - 1;
-            },
-            x.contribution);
-        if (std::abs(std::log(x.visibility / before.visibility)) < 1e-9 &&
-            std::abs(std::log(x.contribution / before.contribution)) < 1e-9)
-            break;
+    double x = std::log(bVisibility_), y = std::log(bContribution_);
+    double now = value(x, y);
+    constexpr int kSteps = 200;
+    for (int step = 0; step < kSteps; ++step) {
+        double gx = s.visibility, gy = s.contribution, hxx = 0, hyy = 0, hxy = 0;
+        for (const Bin& j : bins) {
+            const double v = s.visibility * std::exp(-x), f = s.contribution * j.size * std::exp(-y);
+            const double pv = v / (s.uniform + v + f), pf = f / (s.uniform + v + f);
+            gx -= j.weight * pv;
+            gy -= j.weight * pf;
+            hxx += j.weight * pv * (1 - pv);
+            hyy += j.weight * pf * (1 - pf);
+            hxy -= j.weight * pv * pf;
+        }
+        // A replica without samples has no say; a flat function far from the minimum is tilted a little.
+        const double ridge = 1e-12 * (s.uniform + s.visibility + s.contribution);
+        hxx += ridge;
+        hyy += ridge;
+        const double determinant = hxx * hyy - hxy * hxy;
+        constexpr double kLongest = 5;
+        double dx = std::clamp((hxy * gy - hyy * gx) / determinant, -kLongest, kLongest);
+        double dy = std::clamp((hxy * gx - hxx * gy) / determinant, -kLongest, kLongest);
+        double next = value(x + dx, y + dy);
+        for (int halving = 0; halving < 40 && !(next <= now); ++halving) {
+            dx *= 0.5;
+            dy *= 0.5;
+            next = value(x + dx, y + dy);
+        }
+        if (!(next <= now)) break;  // as near as rounding allows
+        x += dx;
+        y += dy;
+        now = next;
+        if (std::abs(dx) + std::abs(dy) < 1e-10) break;
     }
-    x.visibility = std::min(x.visibility, 1.0);
-    return x;
+    // For a replica without samples the minimum says nothing: its normalisation is the sum over the others' samples.
+    Solution result{0, 0};
+    for (const Bin& j : bins) {
+        const double w =
+            j.weight / (s.uniform + s.visibility * std::exp(-x) + s.contribution * j.size * std::exp(-y));
+        result.visibility += w;
+        result.contribution += w * j.size;
+    }
+    result.visibility = std::min(result.visibility, 1.0);
+    return result;
 }
 
 void Normalisation::update() {

@@ -1,0 +1,166 @@
+#include "base/error.h"
+#include "integrators/integrator.h"
+#include "integrators/iteration.h"
+#include "support/small_scenes.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <tbb/task_arena.h>
+
+namespace metrolux {
+namespace {
+
+using test::SceneBuilder;
+
+std::vector<float> render(const Scene& scene, const std::string& name, IntegratorOptions options, int passes,
+                          int threads = 2) {
+    options.limits = scene.parts().limits;
+    Film film(scene.camera().window(), ReconstructionFilter(ReconstructionFilter::Kind::Tent, {}));
+    const std::unique_ptr<Integrator> integrator = makeIntegrator(name, scene, options);
+    tbb::task_arena arena(threads);
+    arena.execute([&] {
+        for (int i = 0; i < passes; ++i) integrator->renderPass(film);
+    });
+    EXPECT_EQ(film.passes(), uint32_t(passes));
+    for (int t = 0; t < int(Technique::Count); ++t)
+        EXPECT_EQ(film.nonFinite(Technique(t)), 0u) << name << ": " << techniqueName(Technique(t));
+    EXPECT_TRUE(integrator->statistics().is_object());
+    return film.image();
+}
+
+class EachIntegrator : public ::testing::TestWithParam<const char*> {};
+
+void addFloorAndGlass(SceneBuilder& b) {
+    b.add(test::rectangle({0, 0, 0}, {0, 1, 0}, 4, 4), test::diffuse(0.7f));
+    b.add(makeSphere(Transform(), {0, 1, 0}, 0.7f, false), makeDielectric({}));
+    b.camera({0, 1.5f, 5}, {0, 1, 0}, 50, 24, 20);
+}
+
+TEST_P(EachIntegrator, WithoutLightsTheImageIsBlack) {
+    SceneBuilder b;
+    addFloorAndGlass(b);
+    for (const float v : render(*b.build(), GetParam(), {}, 3)) ASSERT_EQ(v, 0);
+}
+
+TEST_P(EachIntegrator, WithoutSurfacesOnlyTheEnvironmentIsSeen) {
+    SceneBuilder dark;
+    PointLightParameters p;
+    dark.light(makePointLight(p));
+    dark.camera({0, 0, 5}, {0, 0, 0}, 50, 12, 10);
+    for (const float v : render(*dark.build(), GetParam(), {}, 2)) ASSERT_EQ(v, 0);
+
+    SceneBuilder sky;
+    sky.light(makeConstantLight({Rgb(2.0f)}));
+    sky.camera({0, 0, 5}, {0, 0, 0}, 50, 12, 10);
+    for (const float v : render(*sky.build(), GetParam(), {}, 2)) ASSERT_NEAR(v, 2, 1e-5f);
+}
+
+TEST_P(EachIntegrator, LightsWithoutPowerGiveBlack) {
+    SceneBuilder b;
+    addFloorAndGlass(b);
+    PointLightParameters p;
+    p.position = {0, 3, 0};
+    p.intensity = Rgb(0.0f);
+    b.light(makePointLight(p));
+    for (const float v : render(*b.build(), GetParam(), {}, 3)) ASSERT_EQ(v, 0);
+}
+
+TEST_P(EachIntegrator, GivesTheSameBitsOnOneAndTwoThreadsAndOthersForAnotherSeed) {
+    SceneBuilder b;
+    addFloorAndGlass(b);
+    b.emit(b.add(test::rectangle({0.5f, 3, 0}, {0, -1, 0}, 0.7f, 0.5f), test::diffuse(0.3f)), Rgb(5));
+    const std::shared_ptr<Scene> scene = b.build();
+    IntegratorOptions options;
+    options.seed = 5;
+    const std::vector<float> one = render(*scene, GetParam(), options, 4, 1);
+    EXPECT_EQ(one, render(*scene, GetParam(), options, 4, 2));
+    options.seed = 6;
+    EXPECT_NE(one, render(*scene, GetParam(), options, 4, 1));
+}
+
+TEST_P(EachIntegrator, HidesDirectlyVisibleEmittersWhenAsked) {
+    SceneBuilder b;
+    b.light(makeConstantLight({}));
+    b.emit(b.add(test::rectangle({0, 0, 0}, {0, 0, 1}, 1, 1), test::diffuse(0.0f)), Rgb(5));
+    b.camera({0, 0, 5}, {0, 0, 0}, 50, 12, 10);
+    b.limits().hideEmitters = true;
+    for (const float v : render(*b.build(), GetParam(), {}, 3)) ASSERT_EQ(v, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EachIntegrator, ::testing::Values("path", "light", "bdpt", "vcm", "mcmc_vcm"),
+                         [](const auto& i) { return std::string(i.param); });
+
+TEST(Integrators, AreAllListedAndMade) {
+    SceneBuilder b;
+    addFloorAndGlass(b);
+    const std::shared_ptr<Scene> scene = b.build();
+    EXPECT_EQ(integratorList().size(), 5u);
+    EXPECT_EQ(integratorList().front().first, "mcmc_vcm");
+    for (const auto& [name, description] : integratorList()) {
+        EXPECT_FALSE(description.empty());
+        EXPECT_NE(makeIntegrator(name, *scene, {}), nullptr);
+    }
+    try {
+        makeIntegrator("bdtp", *scene, {});
+        FAIL();
+    } catch (const Error& e) {
+        EXPECT_NE(std::string(e.what()).find("bdpt"), std::string::npos) << e.what();
+    }
+    IntegratorOptions options;
+    for (const char* bad : {"", "x", "uvz"}) {
+        options.replicas = bad;
+        EXPECT_THROW(makeIntegrator("mcmc_vcm", *scene, options), Error) << bad;
+    }
+}
+
+TEST(RadiusSchedule, FollowsTheProductForm) {
+    // prod (i + alpha) / (i + 1): alpha = 1 keeps the radius, 3/4 shrinks r^2 as i^(alpha - 1) in the long
+    // run.
+    RadiusSchedule constant(2, 1), shrinking(2, 0.75);
+    double squared = 4;
+    for (int i = 1; i <= 1000; ++i) {
+        constant.advance();
+        shrinking.advance();
+        squared *= (i + 0.75) / (i + 1);
+        ASSERT_NEAR(shrinking.radius(), std::sqrt(squared), 1e-9);
+    }
+    EXPECT_DOUBLE_EQ(constant.radius(), 2);
+    EXPECT_NEAR(shrinking.radius() * shrinking.radius() / (4 * std::pow(1000.0, -0.25) / std::tgamma(1.75)),
+                1, 1e-2);
+}
+
+TEST(PixelPartition, CoversEveryPixelOnceWithinTheBound) {
+    FilmWindow window;
+    window.fullWidth = window.width = 57;
+    window.fullHeight = window.height = 31;
+    IntegratorOptions options;
+    EXPECT_EQ(PixelPartition(window, options).parts(), 1);
+    for (const size_t bytes : {size_t(1), size_t(100000), size_t(20000000)}) {
+        options.memoryBytes = bytes;
+        const PixelPartition partition(window, options);
+        std::vector<int> seen(window.pixelCount());
+        for (int part = 0; part < partition.parts(); ++part)
+            for (const uint32_t pixel : partition.pixels(part)) ++seen[pixel];
+        for (const int s : seen) ASSERT_EQ(s, 1);
+        EXPECT_EQ(partition.parts() > 1, bytes < 20000000);
+    }
+}
+
+TEST(ProjectedPixelRadius, IsThePixelsWidthOnWhatTheCameraSees) {
+    SceneBuilder b;
+    b.add(test::rectangle({0, 0, 0}, {0, 0, 1}, 10, 10), test::diffuse(0.5f));
+    b.camera({0, 0, 5}, {0, 0, 0}, 20, 100, 100);
+    const double pixel = 2 * 5 * std::tan(radians(10)) / 100;
+    EXPECT_NEAR(projectedPixelRadius(*b.build(), {}) / pixel, 1, 0.1);
+    IntegratorOptions options;
+    options.radius = 0.25;
+    SceneBuilder same;
+    same.camera({0, 0, 5}, {0, 0, 0}, 20, 100, 100);
+    EXPECT_EQ(projectedPixelRadius(*same.build(), options), 0.25);
+    SceneBuilder nothing;
+    nothing.camera({0, 0, 5}, {0, 0, 0}, 20, 100, 100);
+    EXPECT_GT(projectedPixelRadius(*nothing.build(), {}), 0);
+}
+
+}  // namespace
+}  // namespace metrolux

@@ -1,0 +1,196 @@
+#include "sampling/streams.h"
+#include "support/small_scenes.h"
+#include "transport/connect.h"
+#include "transport/eye_pass.h"
+#include "transport/light_pass.h"
+#include "transport/subpath.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <cstring>
+#include <set>
+
+namespace metrolux {
+namespace {
+
+using test::SceneBuilder;
+
+std::shared_ptr<Scene> glassScene() {
+    SceneBuilder b;
+    b.add(test::rectangle({0, 0, 0}, {0, 1, 0}, 4, 4), test::diffuse(0.7f));
+    b.add(makeSphere(Transform(), {0, 1, 0}, 0.7f, false), makeDielectric({}));
+    b.emit(b.add(test::rectangle({0.5f, 3, 0}, {0, -1, 0}, 0.7f, 0.5f), test::diffuse(0.3f)), Rgb(5));
+    b.camera({0, 1.5f, 5}, {0, 1, 0}, 50, 48, 40);
+    b.limits().maxDepth = 6;
+    return b.build();
+}
+
+ReconstructionFilter gaussian() { return {ReconstructionFilter::Kind::Gaussian, {}}; }
+
+struct EyeResult {
+    std::vector<float> image;
+    EyeVertices eyes;
+};
+void runEyePass(const Scene& scene, int threads, EyeResult& result) {
+    Film film(scene.camera().window(), gaussian());
+    const PathLimits limits = scene.parts().limits;
+    const Strategies strategies = Strategies::bidirectional(1, 0.1);
+    const std::vector<uint32_t> pixels = hilbertOrder(film.width(), film.height());
+    tbb::task_arena arena(threads);
+    arena.execute([&] { EyePass{scene, limits, strategies, 7, 0}.run(pixels, film, result.eyes); });
+    film.endPass();
+    result.image = film.image();
+}
+
+TEST(EyePass, GivesTheSameBitsOnOneAndTwoThreads) {
+    const std::shared_ptr<Scene> scene = glassScene();
+    EyeResult one, two;
+    runEyePass(*scene, 1, one);
+    runEyePass(*scene, 2, two);
+    ASSERT_EQ(one.image, two.image);
+    ASSERT_EQ(one.eyes.all().size(), two.eyes.all().size());
+    for (size_t i = 0; i < one.eyes.all().size(); ++i) {
+        const Vertex &a = one.eyes.all()[i], &b = two.eyes.all()[i];
+        ASSERT_EQ(a.si.p, b.si.p);
+        ASSERT_EQ(a.throughput, b.throughput);
+        ASSERT_EQ(a.pixel, b.pixel);
+        ASSERT_EQ(a.mis.dVC, b.mis.dVC);
+    }
+}
+
+TEST(EyePass, KeepsTheVerticesOfEachSubpathTogether) {
+    const std::shared_ptr<Scene> scene = glassScene();
+    EyeResult r;
+    runEyePass(*scene, 2, r);
+    const std::vector<uint32_t> pixels = hilbertOrder(48, 40);
+    ASSERT_EQ(r.eyes.subpathCount(), pixels.size());
+    size_t sum = 0;
+    for (size_t i = 0; i < pixels.size(); ++i) {
+        int depth = 0;
+        for (const Vertex& v : r.eyes.subpath(i)) {
+            EXPECT_EQ(v.pixel, pixels[i]);
+            EXPECT_GT(v.depth, depth);
+            EXPECT_LT(v.depth, 6);  // at the limit nothing can be joined
+            EXPECT_TRUE(v.bsdf().hasSmoothLobe());
+            EXPECT_NEAR(v.toPrevious.length(), 1, 1e-5f);
+            depth = v.depth;
+            ++sum;
+        }
+    }
+    EXPECT_EQ(sum, r.eyes.all().size());
+    EXPECT_GT(sum, pixels.size() / 3);
+    EXPECT_GE(r.eyes.memoryBytes(), sum * sizeof(Vertex));
+}
+
+TEST(LightPass, IsAFunctionOfItsStream) {
+    const std::shared_ptr<Scene> scene = glassScene();
+    EyeResult r;
+    runEyePass(*scene, 1, r);
+    VertexGrid grid;
+    grid.build(r.eyes.all(), 0.1f);
+    Film film(scene->camera().window(), gaussian());
+    const PathLimits limits = scene->parts().limits;
+    const Strategies strategies = Strategies::bidirectional(1, 0.1);
+    const LightPass pass{*scene, limits, strategies, r.eyes, grid, film};
+    SplatList first, second;
+    int visible = 0;
+    for (int i = 0; i < 300; ++i) {
+        IndependentStream a(hashKey(i)), b(hashKey(i));
+        b.next2D();
+        pass.evaluate(a, first);
+        pass.evaluate(b, second);  // entered elsewhere, cleared by itself
+        ASSERT_EQ(first.pixels.size(), second.pixels.size());
+        ASSERT_EQ(first.film.size(), second.film.size());
+        ASSERT_EQ(first.size(), second.size());
+        visible += !first.empty();
+    }
+    EXPECT_GT(visible, 30);
+}
+
+TEST(HilbertOrder, VisitsEveryPixelOnce) {
+    for (const auto& [w, h] :
+         {std::pair(1, 1), std::pair(1, 7), std::pair(16, 16), std::pair(33, 5), std::pair(640, 2)}) {
+        const std::vector<uint32_t> order = hilbertOrder(w, h);
+        EXPECT_EQ(order.size(), size_t(w) * h);
+        EXPECT_EQ(std::set<uint32_t>(order.begin(), order.end()).size(), order.size());
+        EXPECT_EQ(*std::max_element(order.begin(), order.end()), uint32_t(w * h - 1));
+    }
+}
+
+TEST(HilbertOrder, GoesFromNeighbourToNeighbourInSquares) {
+    for (const int size : {2, 4, 8, 64, 128}) {
+        const std::vector<uint32_t> order = hilbertOrder(size, size);
+        for (size_t i = 1; i < order.size(); ++i) {
+            const int ax = order[i] % size, ay = order[i] / size, bx = order[i - 1] % size,
+                      by = order[i - 1] / size;
+            ASSERT_EQ(std::abs(ax - bx) + std::abs(ay - by), 1) << size << " at " << i;
+        }
+    }
+}
+
+class MergeTest : public ::testing::Test {
+  protected:
+    Vertex vertex(const Vec3f& normal, const Vec3f& toPrevious) const {
+        Vertex v;
+        v.si.shape = floor_.get();
+        v.si.ng = v.si.ns = normal;
+        v.si.s = Frame::fromNormal(normal).s;
+        v.toPrevious = normalize(toPrevious);
+        v.throughput = Rgb(1.0f);
+        v.distanceToPrevious = 1;
+        v.mis = {1, 1, 1};
+        v.depth = 1;
+        return v;
+    }
+    MergeTest() { floor_->bsdf = test::diffuse(0.8f); }
+    ShapePtr floor_ = test::rectangle({0, 0, 0}, {0, 1, 0}, 1, 1);
+    Strategies strategies_ = Strategies::bidirectional(1, 0.1);
+};
+
+TEST_F(MergeTest, RefusesTheOtherSideOfAWallAndSharpCorners) {
+    const Vertex eye = vertex({0, 1, 0}, {0.3f, 1, 0});
+    EXPECT_GT(mergeVertices(strategies_, vertex({0, 1, 0}, {-0.3f, 1, 0}), eye, 1).x, 0);
+    EXPECT_EQ(mergeVertices(strategies_, vertex({0, -1, 0}, {-0.3f, -1, 0}), eye, 1), Rgb(0.0f));
+    EXPECT_EQ(mergeVertices(strategies_, vertex({1, 0, 0}, {1, 0.3f, 0}), eye, 1), Rgb(0.0f));
+    // Curved surfaces go on.
+    EXPECT_GT(mergeVertices(strategies_, vertex(normalize(Vec3f(0.3f, 1, 0)), {-0.3f, 1, 0}), eye, 1).x, 0);
+}
+
+TEST_F(MergeTest, IsTheReflectanceOverPiPerDisk) {
+    const Vertex eye = vertex({0, 1, 0}, {0, 1, 0}), light = vertex({0, 1, 0}, {-1, 1, 0});
+    const double inverseDisk = 7;
+    const double weight = mergeWeight(strategies_, light.mis, eye.mis, std::cos(kPi / 4) / kPi, 1 / kPi);
+    EXPECT_NEAR(mergeVertices(strategies_, light, eye, inverseDisk).x, 0.8 / kPi * inverseDisk * weight,
+                1e-5);
+}
+
+TEST(ConnectVertices, AWallBetweenThemBlocks) {
+    SceneBuilder b;
+    const ShapePtr floor = b.add(test::rectangle({0, 0, 0}, {0, 1, 0}, 4, 4), test::diffuse(0.7f));
+    const ShapePtr ceiling = b.add(test::rectangle({0, 2, 0}, {0, -1, 0}, 4, 4), test::diffuse(0.7f));
+    b.add(test::rectangle({0, 1, 0}, {0, 1, 0}, 1, 1), test::diffuse(0.7f));
+    b.camera({0, 1.5f, 5}, {0, 1, 0}, 50, 8, 8);
+    const std::shared_ptr<Scene> scene = b.build();
+    const auto at = [](const ShapePtr& shape, const Vec3f& p, const Vec3f& n) {
+        Vertex v;
+        v.si.shape = shape.get();
+        v.si.p = p;
+        v.si.ng = v.si.ns = n;
+        v.si.s = Frame::fromNormal(n).s;
+        v.toPrevious = n;
+        v.throughput = Rgb(1.0f);
+        v.depth = 1;
+        return v;
+    };
+    const Strategies n = Strategies::bidirectional(1, 0);
+    const Vertex below = at(floor, {0, 0, 0}, {0, 1, 0});
+    EXPECT_EQ(connectVertices(*scene, n, at(ceiling, {0, 2, 0}, {0, -1, 0}), below), Rgb(0.0f));
+    EXPECT_EQ(connectVertices(*scene, n, below, below), Rgb(0.0f));  // the same point
+    // Beside the wall: (rho / pi)^2 cos cos / d^2 with weight one, as no other technique has a density here.
+    const Vertex right = at(floor, {3, 0, 0}, {0, 1, 0}), above = at(ceiling, {3, 2, 0}, {0, -1, 0});
+    EXPECT_NEAR(connectVertices(*scene, n, above, right).x, sqr(0.7f * kInvPi) / 4, 1e-6f);
+}
+
+}  // namespace
+}  // namespace metrolux

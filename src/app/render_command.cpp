@@ -30,7 +30,7 @@ Ctrl-C ends the pass in progress, writes the image and exits with status 3; a se
 The same scene, options and number of passes give the same image on any number of threads.)";
 
 struct RenderArguments {
-    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter;
+    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel = "kelemen";
     std::vector<std::string> outputs, defines, aovs;
     SessionOptions session;
     int threads = 0;
@@ -135,8 +135,10 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
                    "(default: uvf)")
         ->option_text("uvf")
         ->group(group);
-    app.add_flag("--kelemen", integrator.kelemenKernel,
-                 "mcmc_vcm: Kelemen's mutation instead of the adaptive one")
+    app.add_option("--kernel", a.kernel,
+                   "mcmc_vcm: mutation, `kelemen` (default) or `adaptive` (the paper's, larger steps)")
+        ->option_text("NAME")
+        ->check(CLI::IsMember({"kelemen", "adaptive"}))
         ->group(group);
     app.add_option("--lanes", integrator.lanes, "mcmc_vcm: number of independent sets of chains")
         ->option_text("N")
@@ -254,6 +256,7 @@ int render(RenderArguments& a, const CLI::App& app) {
             parts.filter = {};
         }
         const Scene scene(std::move(parts));
+        a.session.integratorOptions.adaptiveKernel = a.kernel == "adaptive";
         PathLimits& limits = a.session.integratorOptions.limits;
         limits = scene.parts().limits;
         if (app.count("--max-depth") > 0) limits.maxDepth = a.maxDepth;

@@ -17,7 +17,7 @@ struct IntegratorOptions {
     double radius = 0;               ///< first merging radius in scene units; 0: from the projected pixel size
     double radiusAlpha = 0.75;       ///< [HPJ12] schedule
     size_t memoryBytes = 0;          ///< bound for what a pass stores; 0: no bound
-    bool kelemenKernel = false;      ///< mcmc_vcm: [Kel02]'s mutation instead of eq. 4-5
+    bool adaptiveKernel = false;     ///< mcmc_vcm: the mutation of the supplement's eq. 4-5 in place of [Kel02]'s
     int lanes = 0;                   ///< mcmc_vcm: number of independent lanes; 0: default
     std::string replicas = "uvf";    ///< mcmc_vcm: which replicas take part (study of each alone)
 };

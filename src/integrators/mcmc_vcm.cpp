@@ -77,7 +77,7 @@ class McmcVcmIntegrator final : public Integrator {
         useContribution_ = options.replicas.find('f') != std::string::npos;
         if (!useUniform_ && !useVisibility_ && !useContribution_)
             throw Error("replicas: found nothing, expected a combination of the letters u, v, f");
-        const auto kind = options.kelemenKernel ? MutationKernel::Kind::Kelemen : MutationKernel::Kind::Adaptive;
+        const auto kind = options.adaptiveKernel ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
         for (int i = 0; i < laneCount(); ++i) lanes_.emplace_back(options.seed, i, kind);
     }
 
@@ -123,7 +123,7 @@ class McmcVcmIntegrator final : public Integrator {
     PixelPartition partition_;
     RadiusSchedule radius_;
     bool useUniform_, useVisibility_, useContribution_;
-    bool chainsReady_ = false;
+    bool chainsReady_ = false, plainForgotten_ = false;
     uint64_t iteration_ = 0;
     std::vector<Lane> lanes_;
     Normalisation normalisation_;
@@ -179,6 +179,12 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
     }
     renewStates(pass, film.passes());
     const size_t steps = static_cast<size_t>(std::max({mix.uniform, mix.visibility, mix.contribution})) / lanes_.size();
+    if (!plainForgotten_) {
+        // The plain pass weighed its techniques with q = 1: its F is another target than that of the chains' iterations.
+        // It served to start with; from here on the normalisations come from the present one.
+        normalisation_.forget();
+        plainForgotten_ = true;
+    }
     parallelFor(lanes_.size(), [&](size_t i) { runLane(lanes_[i], pass, mix, steps, film, filmShare); });
     collectSamples();
 }
@@ -209,9 +215,13 @@ void McmcVcmIntegrator::seedChains(uint32_t pass, size_t first, const std::vecto
     };
     for (Lane& lane : lanes_) {
         float u = rng.next1D();
-        regenerate(byVisibility.sample(u), lane.visibility.state().u);
+        const size_t visibleOne = byVisibility.sample(u);
+        regenerate(visibleOne, lane.visibility.state().u);
+        lane.visibility.state().value.size = sizes[visibleOne];
         u = rng.next1D();
-        regenerate(bySize.sample(u), lane.contribution.state().u);
+        const size_t chosen = bySize.sample(u);
+        regenerate(chosen, lane.contribution.state().u);
+        lane.contribution.state().value.size = sizes[chosen];
         lane.lastVisible = lane.visibility.state().u;
         ++lane.seeded;
     }
@@ -227,7 +237,6 @@ void McmcVcmIntegrator::renewStates(const LightPass& pass, uint32_t passIndex) {
         const auto renew = [&](auto& chain) {
             const double before = sizeBefore(chain);
             chain.reevaluate([&](SampleStream& u, Contribution& c) { evaluate(pass, u, c); }, lane.rng);
-            // States fresh from the seeding pass were drawn by their size in it, which is not kept: ratio one.
             return before > 0 ? sizeBefore(chain) / before : (sizeBefore(chain) > 0 ? 1.0 : 0.0);
         };
         visibilityRatio[i] = renew(lane.visibility);
@@ -353,7 +362,7 @@ nlohmann::json McmcVcmIntegrator::statistics() const {
             {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes()},
             {"lanes", lanes_.size()},
             {"replicas", options_.replicas},
-            {"kernel", options_.kelemenKernel ? "kelemen" : "adaptive"},
+            {"kernel", options_.adaptiveKernel ? "adaptive" : "kelemen"},
             {"b_v", estimate(normalisation_.visibilityEstimate())},
             {"b_v_from_uniform", estimate(normalisation_.visibilityFromUniform())},
             {"b_f", estimate(normalisation_.contributionEstimate())},

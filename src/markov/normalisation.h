@@ -40,6 +40,8 @@ class Normalisation {
 
     /// Adds a lane's samples. Lanes must be added in a fixed order, so that the sums do not depend on threads.
     void add(int lane, const Samples& samples);
+    /// Drops the samples so far; b_V and b_F stay until the next update().
+    void forget() { groups_.assign(kGroups, {}); }
     /// Solves for b_V and b_F; to be called once per iteration, after the lanes were added.
     void update();
 

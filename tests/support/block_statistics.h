@@ -16,21 +16,24 @@ class BlockStatistics {
     BlockStatistics(int width, int height, int columns, int rows)
         : width_(width), height_(height), columns_(columns), rows_(rows), sum_(size()), sumSquares_(size()) {}
 
-    size_t size() const { return size_t(columns_) * rows_ * 3; }
+    size_t size() const { return columns_ * rows_ * 3; }
     int seeds() const { return seeds_; }
 
     /// Block means of an image, 3 channels interleaved.
     std::vector<double> blockMeans(const std::vector<float>& image) const {
         std::vector<double> means(size()), counts(size());
-        for (int y = 0; y < height_; ++y)
-            for (int x = 0; x < width_; ++x)
-                for (int c = 0; c < 3; ++c) {
-                    const size_t block = (size_t(y) * rows_ / height_ * columns_ + size_t(x) * columns_ / width_) * 3 + c;
-                    means[block] += image[(size_t(y) * width_ + x) * 3 + c];
-                    ++counts[block];
-                }
+        for (size_t i = 0; i < image.size(); ++i) {
+            means[indexOf(i)] += image[i];
+            ++counts[indexOf(i)];
+        }
         for (size_t i = 0; i < means.size(); ++i) means[i] /= counts[i];
         return means;
+    }
+
+    /// Sets all pixels of a block, in one channel.
+    void fill(std::vector<float>& image, size_t block, float value) const {
+        for (size_t i = 0; i < image.size(); ++i)
+            if (indexOf(i) == block) image[i] = value;
     }
 
     /// Adds the image that one seed made.
@@ -60,14 +63,26 @@ class BlockStatistics {
     }
 
   private:
-    int width_, height_, columns_, rows_;
+    /// Block and channel of element i of an image.
+    size_t indexOf(size_t i) const {
+        const size_t pixel = i / 3, x = pixel % width_, y = pixel / width_;
+        return (y * rows_ / height_ * columns_ + x * columns_ / width_) * 3 + i % 3;
+    }
+
+    size_t width_, height_, columns_, rows_;
     int seeds_ = 0;
     std::vector<double> sum_, sumSquares_;
 };
 
 /// One comparison of a block: the difference, its standard error and what the test makes of them.
 struct WelchResult {
-    double difference = 0, standardError = 0, degreesOfFreedom = 0, pValue = 1;
+    double difference = 0, standardError = 0, degreesOfFreedom = 1, pValue = 1;
+
+    /// The smallest difference that a two-sided test at this level would have called one.
+    double halfWidth(double level) const {
+        const boost::math::students_t distribution(degreesOfFreedom);
+        return standardError * boost::math::quantile(boost::math::complement(distribution, level / 2));
+    }
 };
 
 /// Two-sided test that two means are equal, with unequal variances [Welch 1947]. Both zero: p = 1.

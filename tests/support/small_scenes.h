@@ -41,6 +41,9 @@ class SceneBuilder {
         FilmWindow window;
         window.fullWidth = window.width = width;
         window.fullHeight = window.height = height;
+        camera(origin, target, fov, window);
+    }
+    void camera(const Vec3f& origin, const Vec3f& target, float fov, const FilmWindow& window) {
         PerspectiveParameters p;
         p.toWorld = Transform::lookAt(origin, target, Vec3f(0, 1, 0));
         p.fov = fov;

@@ -1,20 +1,19 @@
 #pragma once
 /// Renders by independent seeds and comparisons of their block means, with one budget for false alarms.
 ///
-/// The program makes at most kComparisons comparisons, each at the Sidak level for a family rate of kFamilyRate: a correct
-/// renderer fails with a probability below 1e-3 over the choice of the fixed seeds. Errors come from the scatter between
-/// seeds alone (t-tests), as chains and shared light subpaths are correlated within a seed.
-
-#include <gtest/gtest.h>
-
-#include <boost/math/distributions/students_t.hpp>
-
-#include <fmt/format.h>
+/// The program makes at most kComparisons comparisons, each at the Sidak level for a family rate of
+/// kFamilyRate: a correct renderer fails with a probability below 1e-3 over the choice of the fixed seeds.
+/// Errors come from the scatter between seeds alone (t-tests), as chains and shared light subpaths are
+/// correlated within a seed.
 
 #include "base/rng.h"
 #include "integrators/integrator.h"
 #include "support/block_statistics.h"
 #include "support/small_scenes.h"
+
+#include <boost/math/distributions/students_t.hpp>
+#include <fmt/format.h>
+#include <gtest/gtest.h>
 
 namespace metrolux::test {
 
@@ -47,7 +46,8 @@ inline std::vector<float> renderImage(const Scene& scene, const RenderSetup& set
     const std::unique_ptr<Integrator> integrator = makeIntegrator(setup.integrator, scene, options);
     for (int i = 0; i < setup.passes; ++i) integrator->renderPass(film);
     for (int t = 0; t < int(Technique::Count); ++t)
-        EXPECT_EQ(film.nonFinite(Technique(t)), 0u) << setup.integrator << ": " << techniqueName(Technique(t));
+        EXPECT_EQ(film.nonFinite(Technique(t)), 0u)
+            << setup.integrator << ": " << techniqueName(Technique(t));
     return film.image();
 }
 
@@ -58,9 +58,11 @@ inline BlockStatistics renderSeeds(const Scene& scene, const RenderSetup& setup)
     return statistics;
 }
 
-/// t-test of each block (green channel: the scenes are grey) against a known radiance. The smallest difference that the
-/// test would nearly always see, twice the critical one, may not exceed `detectable` (relative).
-inline void expectRadiance(const BlockStatistics& statistics, double expected, double detectable, const std::string& what) {
+/// t-test of each block (green channel: the scenes are grey) against a known radiance. The smallest
+/// difference that the test would nearly always see, twice the critical one, may not exceed `detectable`
+/// (relative).
+inline void expectRadiance(const BlockStatistics& statistics, double expected, double detectable,
+                           const std::string& what) {
     const double level = comparisonLevel();
     const boost::math::students_t distribution(statistics.degreesOfFreedom());
     const double critical = boost::math::quantile(boost::math::complement(distribution, level / 2));
@@ -69,7 +71,8 @@ inline void expectRadiance(const BlockStatistics& statistics, double expected, d
         if (i > 1) comparisonLevel();
         const double error = std::sqrt(statistics.varianceOfMean(i));
         EXPECT_LE(std::abs(statistics.mean(i) - expected), critical * error)
-            << what << ": block " << i / 3 << " is " << statistics.mean(i) << " +- " << error << ", expected " << expected;
+            << what << ": block " << i / 3 << " is " << statistics.mean(i) << " +- " << error << ", expected "
+            << expected;
         worst = std::max(worst, 2 * critical * error / std::max(expected, 1e-9));
     }
     if (expected > 0) {
@@ -77,20 +80,22 @@ inline void expectRadiance(const BlockStatistics& statistics, double expected, d
     }
 }
 
-/// Welch's test of each block of two sets of renders. `detectable` as above, for the mean over blocks: relative to the
-/// image's mean.
-inline void expectSame(const BlockStatistics& a, const BlockStatistics& b, double detectable, const std::string& what) {
+/// Welch's test of each block of two sets of renders. `detectable` as above, for the mean over blocks:
+/// relative to the image's mean.
+inline void expectSame(const BlockStatistics& a, const BlockStatistics& b, double detectable,
+                       const std::string& what) {
     double sumOfCritical = 0;
     int blocks = 0;
     for (size_t i = 1; i < a.size(); i += 3) {
         const double level = comparisonLevel();
-        const WelchResult r = welch(a.mean(i), a.varianceOfMean(i), a.degreesOfFreedom(), b.mean(i), b.varianceOfMean(i),
-                                    b.degreesOfFreedom());
-        EXPECT_GT(r.pValue, level) << what << ": block " << i / 3 << " is " << a.mean(i) << " and " << b.mean(i)
-                                   << ", standard error of the difference " << r.standardError;
+        const WelchResult r = welch(a.mean(i), a.varianceOfMean(i), a.degreesOfFreedom(), b.mean(i),
+                                    b.varianceOfMean(i), b.degreesOfFreedom());
+        EXPECT_GT(r.pValue, level) << what << ": block " << i / 3 << " is " << a.mean(i) << " and "
+                                   << b.mean(i) << ", standard error of the difference " << r.standardError;
         if (!(r.standardError > 0)) continue;
         const boost::math::students_t distribution(r.degreesOfFreedom);
-        sumOfCritical += 2 * r.standardError * boost::math::quantile(boost::math::complement(distribution, level / 2));
+        sumOfCritical +=
+            2 * r.standardError * boost::math::quantile(boost::math::complement(distribution, level / 2));
         ++blocks;
     }
     if (blocks > 0) {

@@ -98,7 +98,7 @@ class McmcVcmIntegrator final : public Integrator {
     /// A fixed number that depends on the image only: chains that are long enough in an iteration to follow its targets,
     /// and enough of them for many threads.
     int laneCount() const {
-        constexpr int kStepsPerIteration = 256, kFewest = 8, kMost = 64;
+        constexpr int kStepsPerIteration = 1024, kFewest = 8, kMost = 64;
         if (options_.lanes > 0) return options_.lanes;
         const int samples = static_cast<int>(partition_.pixels(0).size());
         return std::clamp(samples / (3 * kStepsPerIteration), kFewest, kMost);
@@ -110,9 +110,7 @@ class McmcVcmIntegrator final : public Integrator {
     void seedChains(uint32_t pass, size_t first, const std::vector<double>& sizes);
     void runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t steps, Film& film,
                  double filmShare) const;
-    void renewStates(const LightPass& pass, uint32_t passIndex);
-    template <class Select>
-    void resample(const std::vector<double>& ratios, CounterRng& rng, Select&& select);
+    void renewStates(const LightPass& pass);
     static void evaluate(const LightPass& pass, SampleStream& stream, Contribution& c) {
         pass.evaluate(stream, c.splats);
         c.size = c.splats.size();
@@ -124,7 +122,6 @@ class McmcVcmIntegrator final : public Integrator {
     RadiusSchedule radius_;
     bool useUniform_, useVisibility_, useContribution_;
     bool chainsReady_ = false, plainForgotten_ = false;
-    uint64_t iteration_ = 0;
     std::vector<Lane> lanes_;
     Normalisation normalisation_;
     EyeVertices eyes_;
@@ -177,7 +174,7 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
         seedChains(film.passes(), first, sizes);
         return;
     }
-    renewStates(pass, film.passes());
+    renewStates(pass);
     const size_t steps = static_cast<size_t>(std::max({mix.uniform, mix.visibility, mix.contribution})) / lanes_.size();
     if (!plainForgotten_) {
         // The plain pass weighed its techniques with q = 1: its F is another target than that of the chains' iterations.
@@ -217,68 +214,41 @@ void McmcVcmIntegrator::seedChains(uint32_t pass, size_t first, const std::vecto
         float u = rng.next1D();
         const size_t visibleOne = byVisibility.sample(u);
         regenerate(visibleOne, lane.visibility.state().u);
-        lane.visibility.state().value.size = sizes[visibleOne];
         u = rng.next1D();
         const size_t chosen = bySize.sample(u);
         regenerate(chosen, lane.contribution.state().u);
-        lane.contribution.state().value.size = sizes[chosen];
         lane.lastVisible = lane.visibility.state().u;
         ++lane.seeded;
     }
     chainsReady_ = true;
 }
 
-void McmcVcmIntegrator::renewStates(const LightPass& pass, uint32_t passIndex) {
-    // The eye vertices and the radius are new, and with them the targets: every state is evaluated again.
-    const auto sizeBefore = [](const auto& chain) { return chain.target(chain.state().value); };
-    std::vector<double> visibilityRatio(lanes_.size()), contributionRatio(lanes_.size());
+void McmcVcmIntegrator::renewStates(const LightPass& pass) {
+    // The eye vertices and the radius are new, and with them the targets: every state is evaluated again. A state that has
+    // become invisible is replaced by a visible uniform sample: the last one that the lane has seen, or a fresh one.
+    // Resampling the lanes by new / old target was tried: it cannot reach what was invisible before, so that short chains
+    // gathered where light is always visible and b_F ran away (door-ajar, +30 %).
+    constexpr int kFreshTries = 64;
     parallelFor(lanes_.size(), [&](size_t i) {
         Lane& lane = lanes_[i];
-        const auto renew = [&](auto& chain) {
-            const double before = sizeBefore(chain);
-            chain.reevaluate([&](SampleStream& u, Contribution& c) { evaluate(pass, u, c); }, lane.rng);
-            return before > 0 ? sizeBefore(chain) / before : (sizeBefore(chain) > 0 ? 1.0 : 0.0);
-        };
-        visibilityRatio[i] = renew(lane.visibility);
-        contributionRatio[i] = renew(lane.contribution);
+        const auto evaluateHere = [&](SampleStream& u, Contribution& c) { evaluate(pass, u, c); };
+        lane.visibility.reevaluate(evaluateHere, lane.rng);
+        lane.contribution.reevaluate(evaluateHere, lane.rng);
+        State &v = lane.visibility.state(), &f = lane.contribution.state();
+        if (v.value.visible() && f.value.visible()) return;
+        State fresh;
+        fresh.u = lane.lastVisible;
+        for (int attempt = 0; attempt <= kFreshTries && !fresh.value.visible(); ++attempt) {
+            if (attempt > 0) fresh.u.clear();
+            PrimarySampleStream stream(fresh.u, lane.rng);
+            evaluateHere(stream, fresh.value);
+        }
+        // While none is found the replica idles, which only loses samples.
+        if (!fresh.value.visible()) return;
+        ++lane.replaced;
+        if (!v.value.visible()) v = fresh;
+        if (!f.value.visible()) f = fresh;
     });
-
-    // The states follow the old targets. Resampling them among the lanes by new / old target makes them follow the new
-    // ones (a step of sequential Monte Carlo). Going on from them as they are was tried first: each iteration then starts
-    // with sizes that are too small on average, and short chains render too dark. States that have become invisible
-    // have ratio zero and are replaced by copies of others.
-    CounterRng rng(hashKey(options_.seed, StreamPurpose::Replacement, passIndex, iteration_++));
-    resample(visibilityRatio, rng, [](Lane& lane) -> State& { return lane.visibility.state(); });
-    resample(contributionRatio, rng, [](Lane& lane) -> State& { return lane.contribution.state(); });
-}
-
-template <class Select>
-void McmcVcmIntegrator::resample(const std::vector<double>& ratios, CounterRng& rng, Select&& select) {
-    const DiscreteDistribution distribution(ratios);
-    if (distribution.empty()) {
-        // Every state was lost: the last visible uniform sample of each lane is the best that is known; if it is invisible
-        // too, the replica idles until a uniform sample is seen, which only loses samples.
-        for (Lane& lane : lanes_) select(lane).u = lane.lastVisible;
-        return;
-    }
-    // Systematic: a state of average ratio survives once.
-    std::vector<int> copies(lanes_.size(), 0);
-    const double offset = rng.nextDouble();
-    for (size_t i = 0; i < lanes_.size(); ++i) {
-        float u = std::min(static_cast<float>((double(i) + offset) / double(lanes_.size())), kOneMinusEpsilon);
-        ++copies[distribution.sample(u)];
-    }
-    size_t source = 0;
-    for (size_t i = 0; i < lanes_.size(); ++i) {
-        if (copies[i] > 0) continue;
-        while (copies[source] < 2) ++source;
-        --copies[source];
-        State& lost = select(lanes_[i]);
-        const State& kept = select(lanes_[source]);
-        lost.u = kept.u;
-        lost.value = kept.value;
-        ++lanes_[i].replaced;
-    }
 }
 
 void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t steps,
@@ -317,12 +287,12 @@ void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const Replica
             if (v.value.visible()) lane.samples.addVisibility(v.value.size);
         }
         if (useContribution_) {
+            // These samples do not enter the normalisations: each iteration has a target of its own, which short chains
+            // follow with a delay, and b_F estimated from them would feed that back into their weight.
             ContributionChain& chain = lane.contribution;
             const double a = chain.propose(evaluateHere, lane.proposal, lane.rng);
             lane.proposal.weight = a * mix.weight(lane.proposal.value);
             chain.state().weight += (1.0 - a) * mix.weight(chain.state().value);
-            lane.samples.addContribution(lane.proposal.value.size, a);
-            lane.samples.addContribution(chain.state().value.size, 1.0 - a);
             chain.decide(a, lane.proposal, lane.rng);
             payOut(lane.proposal, film, filmShare);  // the one of the two that the chain has left
             if (useVisibility_ && lane.visibility.state().value.visible()) {

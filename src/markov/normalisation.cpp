@@ -62,6 +62,16 @@ void Normalisation::add(int lane, const Samples& s) {
     }
 }
 
+void Normalisation::discount(double factor) {
+    for (Sums& g : groups_) {
+        for (double* sum : {&g.uniform, &g.uniformVisible, &g.uniformSize, &g.uniformSize2, &g.visibility,
+                            &g.visibilitySize, &g.contribution})
+            *sum *= factor;
+        for (double& w : g.weight) w *= factor;
+        for (double& w : g.size) w *= factor;
+    }
+}
+
 Normalisation::Sums Normalisation::total(int withoutGroup) const {
     Sums t;
     t.weight.assign(kBins, 0);

@@ -141,6 +141,52 @@ TEST_P(Furnace, ASphereLightInTheMiddleOfASphere) {
     }
 }
 
+TEST(McmcVcm, NoPassIsDarkerOrBrighterThanTheOthers) {
+    // A target that changes with the eye vertices and shrinks with the radius: caustic light seen through
+    // glass. An iteration starts its chains from the states of the last, which do not follow the new target
+    // yet, and normalisations lag behind: the bias that is left is proportional to the inverse length of the
+    // chains (here 171 steps; 0.5 % at 260 steps). It is bounded here, not excluded: 5 % beyond the
+    // statistical error. Errors of 50 % (second pass) and 17 % were found.
+    constexpr int kPasses = 16;
+    constexpr double kAllowedBias = 0.05;
+    SceneBuilder b;
+    b.add(makeSphere(Transform(), {0, 0, 0}, 1, false), diffuse(1));
+    b.add(makeSphere(Transform(), {0, 0, 0}, 1.1f, false), makeDielectric({}));
+    b.light(makeConstantLight({}));
+    b.camera({0.2f, 0.3f, 2.5f}, {0, 0, 0}, 25, 64, 64);
+    const std::shared_ptr<Scene> scene = b.build();
+    const std::pair<int, int> groups[] = {{0, 1}, {1, 2}, {2, 6}, {6, kPasses}};
+    BlockStatistics means(int(std::size(groups)), 1, int(std::size(groups)), 1);
+    for (int seed = 0; seed < kSeeds; ++seed) {
+        IntegratorOptions options;
+        options.seed = hashKey(8, seed);
+        Film film(scene->camera().window(), ReconstructionFilter(ReconstructionFilter::Kind::Box, {}));
+        const std::unique_ptr<Integrator> integrator = makeIntegrator("mcmc_vcm", *scene, options);
+        std::vector<double> sums = {0};  // of the mean radiance, after each pass
+        for (int pass = 0; pass < kPasses; ++pass) {
+            integrator->renderPass(film);
+            double sum = 0;
+            for (const float v : film.image()) sum += v;
+            sums.push_back(sum / (3.0 * film.pixelCount()) * (pass + 1));
+        }
+        std::vector<float> image;
+        for (const auto& [first, last] : groups)
+            image.insert(image.end(), 3, static_cast<float>((sums[last] - sums[first]) / (last - first)));
+        means.add(image);
+    }
+    const boost::math::students_t distribution(means.degreesOfFreedom());
+    for (size_t i = 0; i < std::size(groups); ++i) {
+        const double critical =
+            boost::math::quantile(boost::math::complement(distribution, comparisonLevel() / 2));
+        const double error = std::sqrt(means.varianceOfMean(3 * i));
+        EXPECT_LE(std::abs(means.mean(3 * i) - 1), kAllowedBias + critical * error)
+            << "passes " << groups[i].first + 1 << " to " << groups[i].second << ": " << means.mean(3 * i)
+            << " +- " << error;
+        RecordProperty("passes_from_" + std::to_string(groups[i].first + 1),
+                       std::to_string(means.mean(3 * i)));
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Furnace, ::testing::ValuesIn(kIntegrators),
                          [](const auto& i) { return std::string(i.param); });
 

@@ -132,8 +132,8 @@ TEST(Normalisation, AReplicaWithoutSamplesIsJudgedByTheOthers) {
 }
 
 TEST(Normalisation, InvisibleStatesOfAChainAreNoSamples) {
-    // A new target can make a chain's state invisible. Counted as samples of the chain such states drove b_V to 1e-9
-    // where few uniform samples are visible (Mitsuba's roughdielectric sphere: 20 % too dark).
+    // A new target can make a chain's state invisible. Counted as samples of the chain such states drove b_V
+    // to 1e-9 where few uniform samples are visible (Mitsuba's roughdielectric sphere: 20 % too dark).
     Normalisation n;
     CounterRng rng(7);
     Normalisation::Samples s;
@@ -143,6 +143,24 @@ TEST(Normalisation, InvisibleStatesOfAChainAreNoSamples) {
     n.add(0, s);
     n.update();
     EXPECT_NEAR(n.visibility(), 1e-4, 1e-9);
+}
+
+TEST(Normalisation, DiscountedSamplesWeighLess) {
+    Normalisation n;
+    Normalisation::Samples old, recent;
+    for (int i = 0; i < 1000; ++i) {
+        old.addUniform(i % 2 == 0 ? 8 : 0);
+        recent.addUniform(i % 10 == 0 ? 2 : 0);
+    }
+    n.add(0, old);
+    n.discount(0.25);
+    n.add(0, recent);
+    n.update();
+    EXPECT_NEAR(n.visibility(), (0.25 * 0.5 + 0.1) / 1.25, 1e-6);
+    EXPECT_NEAR(n.contribution(), (0.25 * 4 + 0.2) / 1.25, 1e-6);
+    n.forget();
+    n.update();
+    EXPECT_NEAR(n.contribution(), (0.25 * 4 + 0.2) / 1.25, 1e-6);  // kept until there are new samples
 }
 
 TEST(Normalisation, ClassicEstimatesAgree) {

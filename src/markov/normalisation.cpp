@@ -62,6 +62,12 @@ void Normalisation::add(int lane, const Samples& s) {
     }
 }
 
+double Normalisation::visibleUniformSamples() const {
+    double sum = 0;
+    for (const Sums& g : groups_) sum += g.uniformVisible;
+    return sum;
+}
+
 void Normalisation::discount(double factor) {
     for (Sums& g : groups_) {
         for (double* sum : {&g.uniform, &g.uniformVisible, &g.uniformSize, &g.uniformSize2, &g.visibility,

@@ -42,6 +42,8 @@ class Normalisation {
     void add(int lane, const Samples& samples);
     /// Drops the samples so far; b_V and b_F stay until the next update().
     void forget() { groups_.assign(kGroups, {}); }
+    /// Weighted number of visible uniform samples: b_V is known to one in the root of it.
+    double visibleUniformSamples() const;
     /// Scales the weight of all samples so far, for targets that change slowly.
     void discount(double factor);
     /// Solves for b_V and b_F; to be called once per iteration, after the lanes were added.

@@ -87,8 +87,7 @@ void compareBlocks(const ConformanceScene& scene, const std::string& integrator,
     BlockStatistics blocks(renderable.width(), renderable.height(), renderable.width() / side, renderable.height() / side);
     const int passes = std::max(leastPasses, samplesPerSeed / renderable.pixelCount()) * exception.passFactor;
     std::vector<float> mean(reference.image.pixels.size(), 0.0f);
-    for (int seed = 1; seed <= kSeeds; ++seed) {
-        std::vector<float> image = renderable.render(integrator, passes, seed, exception.radiusFactor);
+    for (std::vector<float>& image : renderable.renderSeeds(integrator, passes, 1, kSeeds, exception.radiusFactor)) {
         toXyz(image);
         blocks.add(image);
         for (size_t i = 0; i < mean.size(); ++i) mean[i] += image[i] / kSeeds;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "base/parallel.h"
 #include "integrators/integrator.h"
 #include "integrators/iteration.h"
 #include "io/scene_loader.h"
@@ -17,11 +18,14 @@ class RenderableScene {
     explicit RenderableScene(const std::filesystem::path& file, const LoadOptions& options = {})
         : RenderableScene(loadScene(file, options)) {}
 
-    /// Mean of `passes` passes, 3 floats a pixel. `radiusFactor`: merging radius as a multiple of the default.
+    /// Mean of `passes` passes, 3 floats a pixel. `radiusFactor`: merging radius as a multiple of the default. Chains get
+    /// about 1000 steps in a pass, as in images of usual size: short ones lag behind the targets (docs/results.md).
     std::vector<float> render(const std::string& integrator, int passes, uint64_t seed, double radiusFactor = 1) const {
+        constexpr int kStepsOfChain = 1000;
         IntegratorOptions options;
         options.seed = seed;
         options.limits = limits_;
+        options.lanes = std::max(1, pixelCount() / (3 * kStepsOfChain));
         if (radiusFactor != 1) options.radius = radiusFactor * projectedPixelRadius(*scene_, options);
         Film film(scene_->camera().window(), filter_);
         const auto integrates = makeIntegrator(integrator, *scene_, options);
@@ -33,6 +37,13 @@ class RenderableScene {
     int width() const { return scene_->camera().window().width; }
     int height() const { return scene_->camera().window().height; }
     int pixelCount() const { return width() * height(); }
+    /// The same for seeds first, first + 1 ..., which share the processors.
+    std::vector<std::vector<float>> renderSeeds(const std::string& integrator, int passes, uint64_t first, int count,
+                                                double radiusFactor) const {
+        std::vector<std::vector<float>> images(count);
+        parallelFor(count, [&](size_t i) { images[i] = render(integrator, passes, first + i, radiusFactor); });
+        return images;
+    }
     /// Number of edges of the longest path; -1: no limit.
     int maxDepth() const { return limits_.maxDepth; }
 

@@ -140,6 +140,9 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->option_text("NAME")
         ->check(CLI::IsMember({"kelemen", "adaptive"}))
         ->group(group);
+    app.add_option("--chain-inefficiency", integrator.chainInefficiency,
+                   "mcmc_vcm: steps of a chain that are worth an independent sample in the weights (default 4)")
+        ->check(CLI::Range(1.0, 1e6));
     app.add_option("--lanes", integrator.lanes, "mcmc_vcm: number of independent sets of chains")
         ->option_text("N")
         ->check(wholeNumber(1, 1 << 20))

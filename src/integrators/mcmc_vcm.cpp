@@ -8,6 +8,7 @@
 #include "integrators/iteration.h"
 #include "markov/chain.h"
 #include "markov/normalisation.h"
+#include "markov/replica_mixture.h"
 #include "sampling/streams.h"
 
 namespace metrolux {
@@ -30,24 +31,10 @@ using State = MarkovState<Contribution>;
 using VisibilityChain = MarkovChain<Contribution, VisibilityTarget>;
 using ContributionChain = MarkovChain<Contribution, ContributionTarget>;
 
-/// Samples of each replica in an iteration, and the balance heuristic across replicas: W(u) of ALGORITHM.md section 3.
-struct ReplicaMixture {
-    double uniform = 0, visibility = 0, contribution = 0;  ///< n_U, n_V, n_F
-    double bVisibility = 1, bContribution = 1;
-
-    double weight(const Contribution& c) const {
-        if (!c.visible()) return 0;
-        return 1.0 / (uniform + visibility / bVisibility + contribution * c.size / bContribution);
-    }
-    /// Density boost q of section 1: the visibility replica's density stands for both chains.
-    double boost() const {
-        const double chains = visibility + contribution;
-        return (uniform + (chains > 0 ? chains / bVisibility : 0)) / (uniform + chains);
-    }
-};
-
+/// States that an iteration's chains are chosen from: enough for resampling in proportion to F.
+constexpr size_t kPoolSize = 1024;
 /// Visible uniform samples that b_V is to rest on.
-constexpr double kVisibleSamples = 64;
+constexpr double kVisibleSamples = 256;
 
 /// One independent set of the three replicas, with its own adaptation and random numbers. Lives across iterations.
 struct Lane {
@@ -59,6 +46,12 @@ struct Lane {
     CounterRng rng;
     VisibilityChain visibility;
     ContributionChain contribution;
+    /// A visible uniform sample that was taken before the chains of the iteration started.
+    struct Early {
+        size_t step;
+        State state;
+    };
+    std::vector<Early> early;
     PrimarySample lastVisible;  ///< the last visible uniform sample: replaces a chain's state that became invisible
     State uniform, proposal;    ///< kept for their memory
     uint64_t seeded = 0, swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
@@ -111,8 +104,11 @@ class McmcVcmIntegrator final : public Integrator {
     ReplicaMixture mixture(size_t samples) const;
     void collectSamples();
     void seedChains(uint32_t pass, size_t first, const std::vector<double>& sizes);
-    void runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t steps, Film& film,
+    void runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t earlySteps, size_t steps, Film& film,
                  double filmShare) const;
+    void uniformSample(Lane& lane, const LightPass& pass) const;
+    size_t takeEarlySamples(const LightPass& pass, size_t steps);
+    void startChains(uint32_t pass, size_t first);
     void renewStates(const LightPass& pass);
     static void evaluate(const LightPass& pass, SampleStream& stream, Contribution& c) {
         pass.evaluate(stream, c.splats);
@@ -125,7 +121,6 @@ class McmcVcmIntegrator final : public Integrator {
     RadiusSchedule radius_;
     bool useUniform_, useVisibility_, useContribution_;
     bool chainsSeeded_ = false, chainsReady_ = false;
-    double iteration_ = 1;  ///< counts those whose samples are in the normalisations
     std::vector<Lane> lanes_;
     Normalisation normalisation_;
     EyeVertices eyes_;
@@ -146,6 +141,7 @@ ReplicaMixture McmcVcmIntegrator::mixture(size_t samples) const {
     }
     mix.bVisibility = normalisation_.visibility();
     mix.bContribution = normalisation_.contribution();
+    mix.inefficiency = options_.chainInefficiency;
     // Each lane takes steps of one sample of every replica in use; the counts are those really taken.
     const int kinds = useUniform_ + useVisibility_ + useContribution_;
     const size_t lanes = lanes_.size();
@@ -158,9 +154,9 @@ ReplicaMixture McmcVcmIntegrator::mixture(size_t samples) const {
 
 void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, size_t first) {
     const double n = double(pixels.size()), r = radius_.radius();
+    normalisation_.update(r * r);
     const ReplicaMixture mix = mixture(pixels.size());
-    const double samples = mix.uniform + mix.visibility + mix.contribution;
-    const double lambda = samples * mix.boost() / n;
+    const double lambda = mix.samples() * mix.boost() / n;
     const Strategies strategies = Strategies::bidirectional(lambda, n * std::numbers::pi * r * r);
     const double filmShare = n / film.pixelCount();
 
@@ -176,25 +172,25 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
         for (size_t i = 0; i < sizes.size(); ++i) lanes_[i % lanes].samples.addUniform(sizes[i]);
         collectSamples();
         // b_V from a handful of samples is biased, and q and the weights with it: uniform passes go on until it is known to
-        // an eighth. (Mitsuba's roughdielectric sphere, 48x48, b_V = 1e-4: 4 to 10 % too dark after 64 passes before.)
-        if (normalisation_.visibleUniformSamples() < kVisibleSamples) return;
+        // a sixteenth. (Mitsuba's roughdielectric sphere, 48x48, b_V = 1e-4: 4 to 10 % too dark after 64 passes before.)
+        if (normalisation_.visibleSamples() < kVisibleSamples) return;
         // The first passes that see light make q known. The next are made of uniform samples too, with the weights of q: those
         // of q = 1 make another F, whose b_F can be wrong by a factor of two or more for the chains.
         const bool calibrated = chainsSeeded_;
         seedChains(film.passes(), first, sizes);
-        if (chainsSeeded_ && !calibrated) normalisation_.forget();
+        if (chainsSeeded_ && !calibrated) normalisation_.forgetSizes();
         chainsReady_ = calibrated;
         return;
     }
-    renewStates(pass);
     const size_t steps = static_cast<size_t>(std::max({mix.uniform, mix.visibility, mix.contribution})) / lanes_.size();
-    parallelFor(lanes_.size(), [&](size_t i) { runLane(lanes_[i], pass, mix, steps, film, filmShare); });
-    // The merging radius shrinks as a power of the iteration and V and F with it: plain means over all iterations lag behind
-    // by up to a third (r^2 ~ i^-1/4) and the image was several percent too bright. Weights ~ i^6 lag by 4 % at most.
-    constexpr double kMemory = 6;
-    const double factor = std::pow(iteration_ / (iteration_ + 1.0), kMemory);
-    if (normalisation_.visibleUniformSamples() * factor >= kVisibleSamples) normalisation_.discount(factor);
-    ++iteration_;
+    const size_t earlySteps = takeEarlySamples(pass, steps);
+    size_t visible = 0;
+    for (const Lane& lane : lanes_) visible += lane.early.size();
+    if (visible > 0)
+        startChains(film.passes(), first);
+    else
+        renewStates(pass);
+    parallelFor(lanes_.size(), [&](size_t i) { runLane(lanes_[i], pass, mix, earlySteps, steps, film, filmShare); });
     collectSamples();
 }
 
@@ -203,7 +199,7 @@ void McmcVcmIntegrator::collectSamples() {
         normalisation_.add(static_cast<int>(i), lanes_[i].samples);
         lanes_[i].samples.clear();
     }
-    normalisation_.update();
+    normalisation_.endIteration(radius_.radius() * radius_.radius());
 }
 
 void McmcVcmIntegrator::seedChains(uint32_t pass, size_t first, const std::vector<double>& sizes) {
@@ -235,8 +231,65 @@ void McmcVcmIntegrator::seedChains(uint32_t pass, size_t first, const std::vecto
     chainsSeeded_ = true;
 }
 
+void McmcVcmIntegrator::uniformSample(Lane& lane, const LightPass& pass) const {
+    State& u = lane.uniform;
+    u.u.clear();
+    u.weight = 0;
+    PrimarySampleStream stream(u.u, lane.rng);
+    evaluate(pass, stream, u.value);
+    lane.samples.addUniform(u.value.size);
+    if (u.value.visible()) lane.lastVisible = u.u;
+}
+
+/// Takes the first of the iteration's uniform samples, until enough are visible to start the chains from. Returns how many a
+/// lane has taken; the lanes keep the visible ones until their chains come to that step.
+size_t McmcVcmIntegrator::takeEarlySamples(const LightPass& pass, size_t steps) {
+    size_t taken = 0, visible = 0;
+    for (Lane& lane : lanes_) lane.early.clear();
+    if (!useUniform_) return 0;
+    const size_t round = std::max<size_t>(1, kPoolSize / lanes_.size());
+    while (taken < steps && visible < kPoolSize) {
+        const size_t end = std::min(steps, taken + round);
+        parallelFor(lanes_.size(), [&](size_t i) {
+            for (size_t step = taken; step < end; ++step) {
+                uniformSample(lanes_[i], pass);
+                if (!lanes_[i].uniform.value.visible()) continue;
+                lanes_[i].early.push_back({step, std::move(lanes_[i].uniform)});
+                lanes_[i].uniform = {};
+            }
+        });
+        taken = end;
+        visible = 0;
+        for (const Lane& lane : lanes_) visible += lane.early.size();
+    }
+    return taken;
+}
+
+/// The eye vertices and the radius are new, and with them the targets. Visible uniform samples of this iteration follow the
+/// new visibility target exactly, and those resampled in proportion to F the new contribution target (as nearly as their
+/// number allows), so that there is no start-up phase. Going on from the last iteration's states made short chains
+/// too bright by up to 6 % (32x32 pixels): the states that the old target prefers are too small under the new one.
+void McmcVcmIntegrator::startChains(uint32_t pass, size_t first) {
+    std::vector<const State*> pool;
+    std::vector<double> sizes;
+    for (const Lane& lane : lanes_)
+        for (const Lane::Early& e : lane.early) {
+            pool.push_back(&e.state);
+            sizes.push_back(e.state.value.size);
+        }
+    const DiscreteDistribution bySize(sizes);
+    CounterRng rng(hashKey(options_.seed, StreamPurpose::Replacement, pass, first));
+    const double lanes = double(lanes_.size()), offsetV = rng.nextDouble(), offsetF = rng.nextDouble();
+    for (size_t i = 0; i < lanes_.size(); ++i) {
+        const size_t v = std::min(pool.size() - 1, size_t((double(i) + offsetV) / lanes * double(pool.size())));
+        float u = std::min(static_cast<float>((double(i) + offsetF) / lanes), kOneMinusEpsilon);
+        lanes_[i].visibility.state() = *pool[v];
+        lanes_[i].contribution.state() = *pool[bySize.sample(u)];
+    }
+}
+
 void McmcVcmIntegrator::renewStates(const LightPass& pass) {
-    // The eye vertices and the radius are new, and with them the targets: every state is evaluated again. A state that has
+    // Light is too rare for startChains(): chains keep what they have found. Every state is evaluated again; one that has
     // become invisible is replaced by a visible uniform sample: the last one that the lane has seen, or a fresh one.
     // Resampling the lanes by new / old target was tried: it cannot reach what was invisible before, so that short chains
     // gathered where light is always visible and b_F ran away (door-ajar, +30 %).
@@ -263,21 +316,23 @@ void McmcVcmIntegrator::renewStates(const LightPass& pass) {
     });
 }
 
-void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t steps,
-                                Film& film, double filmShare) const {
+void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t earlySteps,
+                                size_t steps, Film& film, double filmShare) const {
     const auto evaluateHere = [&](SampleStream& stream, Contribution& c) { evaluate(pass, stream, c); };
+    auto nextEarly = lane.early.begin();
     for (size_t step = 0; step < steps; ++step) {
         bool fresh = false;  // the visibility replica has received this step's uniform sample
         if (useUniform_) {
             State& u = lane.uniform;
-            u.u.clear();
-            u.weight = 0;
-            PrimarySampleStream stream(u.u, lane.rng);
-            evaluate(pass, stream, u.value);
-            lane.samples.addUniform(u.value.size);
+            if (step >= earlySteps) {
+                uniformSample(lane, pass);
+            } else if (nextEarly != lane.early.end() && nextEarly->step == step) {
+                std::swap(u, (nextEarly++)->state);
+            } else {
+                u.value.size = 0;
+            }
             if (u.value.visible()) {
-                lane.lastVisible = u.u;
-                u.weight = mix.weight(u.value);
+                u.weight = mix.uniformWeight(u.value.size);
                 if (useVisibility_) {
                     // Exchange with the visibility replica is certain for a visible sample [HJ11].
                     payOut(lane.visibility.state(), film, filmShare);
@@ -295,7 +350,7 @@ void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const Replica
                 if (lane.visibility.decide(a, lane.proposal, lane.rng)) payOut(lane.proposal, film, filmShare);
             }
             State& v = lane.visibility.state();
-            v.weight += mix.weight(v.value);
+            v.weight += mix.chainWeight(v.value.size);
             if (v.value.visible()) lane.samples.addVisibility(v.value.size);
         }
         if (useContribution_) {
@@ -303,8 +358,8 @@ void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const Replica
             // follow with a delay, and b_F estimated from them would feed that back into their weight.
             ContributionChain& chain = lane.contribution;
             const double a = chain.propose(evaluateHere, lane.proposal, lane.rng);
-            lane.proposal.weight = a * mix.weight(lane.proposal.value);
-            chain.state().weight += (1.0 - a) * mix.weight(chain.state().value);
+            lane.proposal.weight = a * mix.chainWeight(lane.proposal.value.size);
+            chain.state().weight += (1.0 - a) * mix.chainWeight(chain.state().value.size);
             chain.decide(a, lane.proposal, lane.rng);
             payOut(lane.proposal, film, filmShare);  // the one of the two that the chain has left
             if (useVisibility_ && lane.visibility.state().value.visible()) {
@@ -344,12 +399,10 @@ nlohmann::json McmcVcmIntegrator::statistics() const {
             {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes()},
             {"lanes", lanes_.size()},
             {"replicas", options_.replicas},
+            {"chain_inefficiency", options_.chainInefficiency},
             {"kernel", options_.adaptiveKernel ? "adaptive" : "kelemen"},
             {"b_v", estimate(normalisation_.visibilityEstimate())},
-            {"b_v_from_uniform", estimate(normalisation_.visibilityFromUniform())},
             {"b_f", estimate(normalisation_.contributionEstimate())},
-            {"b_f_from_uniform", estimate(normalisation_.contributionFromUniform())},
-            {"b_f_from_visibility", normalisation_.contributionFromVisibility()},
             {"visibility_chain",
              {{"tried", tried[0]}, {"accepted", accepted[0]}, {"acceptance", share(accepted[0], tried[0])},
               {"theta_mean", theta[0]}}},

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -8,77 +9,88 @@ struct Estimate {
     double value = 0, standardError = 0;
 };
 
-/// Normalisations b_V and b_F of the replicas' targets (ALGORITHM.md section 3), from the samples of all replicas.
+/// Normalisations b_V and b_F of the replicas' targets (ALGORITHM.md section 3), as functions of the merging radius.
 ///
-/// A visible sample's density in each replica depends on its size F alone (1, 1/b_V, F/b_F), so that counts per
-/// replica and a histogram of log F over all samples are sufficient statistics. The estimate is the fixed point of the
-/// multistate Bennett acceptance ratio (Bennett 1976; Shirts & Chodera 2008),
+///     b_V = share of the visible among the uniform samples,   b_F = b_V * mean of F over visible samples,
 ///
-///     b_F = sum_j F_j W_j,   b_V = sum_j W_j,   W_j = 1 / (N_U + N_V / b_V + N_F F_j / b_F),
+/// the latter over the visible uniform samples and those of the visibility chains, which follow the same distribution.
+/// Inverse-variance weighting of the two classic estimators of b_F was tried: for heavy-tailed F the smaller mean comes with the
+/// smaller variance, and b_F was several percent low.
 ///
-/// sums over the visible samples j. Inverse-variance weighting of the two classic estimators was tried first: for
-/// heavy-tailed F the smaller mean comes with the smaller variance, and b_F was several percent low.
+/// The targets change with the radius: where light is found by merging alone, V shrinks as r^2. A mean over the past
+/// would lag behind (33 % for r^2 ~ i^-1/4), one over a short window is noisy. Both quantities are therefore fitted as powers of
+/// the radius, b_V ~ (r^2)^gamma, by quasi-likelihood (Wedderburn 1974) over all iterations, recent ones weighted more.
 class Normalisation {
   public:
-    /// Samples of one lane in one iteration. Weights add up to one per step of a chain (a and 1-a of a decision).
+    /// Samples of one lane in one iteration.
     class Samples {
       public:
-        void addUniform(double size);
-        void addVisibility(double size);
-        void addContribution(double size, double weight);
-        void clear();
+        void addUniform(double size) {
+            ++uniform_;
+            if (!(size > 0)) return;
+            ++uniformVisible_;
+            uniformSize_ += size;
+        }
+        /// A state of the visibility chain, visible.
+        void addVisibility(double size) {
+            ++visibility_;
+            visibilitySize_ += size;
+        }
+        void clear() { *this = {}; }
 
       private:
         friend class Normalisation;
-        struct Entry {
-            double size, weight;
-        };
-        double uniform_ = 0, uniformVisible_ = 0, uniformSize_ = 0, uniformSize2_ = 0;
-        double visibility_ = 0, visibilitySize_ = 0, contribution_ = 0;
-        std::vector<Entry> visible_;
+        double uniform_ = 0, uniformVisible_ = 0, uniformSize_ = 0, visibility_ = 0, visibilitySize_ = 0;
     };
 
-    /// Adds a lane's samples. Lanes must be added in a fixed order, so that the sums do not depend on threads.
+    /// Adds a lane's samples to the iteration. Lanes must be added in a fixed order: sums do not depend on threads then.
     void add(int lane, const Samples& samples);
-    /// Drops the samples so far; b_V and b_F stay until the next update().
-    void forget() { groups_.assign(kGroups, {}); }
-    /// Weighted number of visible uniform samples: b_V is known to one in the root of it.
-    double visibleUniformSamples() const;
-    /// Scales the weight of all samples so far, for targets that change slowly.
-    void discount(double factor);
-    /// Solves for b_V and b_F; to be called once per iteration, after the lanes were added.
-    void update();
+    /// Closes an iteration that was made with this squared radius.
+    void endIteration(double squaredRadius);
+    /// Solves for b_V and b_F at the squared radius of the next iteration.
+    void update(double squaredRadius);
+    /// Drops the sizes F of the samples so far (the weights in F have changed); what was visible stays known.
+    void forgetSizes();
 
-    double visibility() const { return bVisibility_; }
-    double contribution() const { return bContribution_; }
+    double visibility() const { return value_.visibility; }
+    double contribution() const { return value_.contribution; }
+    /// Number of visible samples whose sizes are known. If they are independent, b_V is known to one part in its root.
+    double visibleSamples() const;
 
-    // With standard errors, for reports: jackknife over groups of lanes.
+    /// With standard errors, for reports: jackknife over groups of lanes.
     Estimate visibilityEstimate() const { return jackknife(&Solution::visibility); }
     Estimate contributionEstimate() const { return jackknife(&Solution::contribution); }
-    /// The classic ones of ALGORITHM.md, for comparison: share of visible uniform samples; mean of F over uniform samples;
-    /// b_V times the mean of F over the visibility chains.
-    Estimate visibilityFromUniform() const;
-    Estimate contributionFromUniform() const;
-    double contributionFromVisibility() const;
 
   private:
     static constexpr int kGroups = 8;
-    static constexpr int kBins = 4096;
-    struct Sums {
-        double uniform = 0, uniformVisible = 0, uniformSize = 0, uniformSize2 = 0;
-        double visibility = 0, visibilitySize = 0, contribution = 0;
-        std::vector<double> weight, size;  // per bin: sum of weights, sum of weight * F
+    static constexpr size_t kMostRecords = 256;
+    struct Counts {
+        double uniform = 0, uniformVisible = 0, visible = 0, size = 0;
+        Counts& operator+=(const Counts& other);
+    };
+    /// Consecutive iterations.
+    struct Record {
+        double index = 0, iterations = 0;  ///< mean number of the iteration, how many
+        double logRadius = 0;              ///< mean of log r^2
+        std::vector<Counts> groups = std::vector<Counts>(kGroups);
     };
     struct Solution {
         double visibility = 1, contribution = 1;
     };
-    static int binOf(double size);
-    Sums total(int withoutGroup = -1) const;
-    Solution solve(const Sums& sums) const;
+    Solution solve(int withoutGroup) const;
     Estimate jackknife(double Solution::*which) const;
 
-    std::vector<Sums> groups_ = std::vector<Sums>(kGroups);
-    double bVisibility_ = 1, bContribution_ = 1;
+    std::vector<Record> records_;
+    Record current_;
+    double iterations_ = 0, logRadius_ = 0;
+    Solution value_;
 };
+
+/// A sum of counts y_i out of exposures n_i, of weight w_i, whose expectation is n_i exp(a + gamma x_i).
+struct TrendPoint {
+    double x, exposure, count, weight;
+};
+/// Fits a and gamma (within the bounds) by quasi-likelihood and returns exp(a + gamma x). 0 without counts or exposure.
+double fitTrend(const std::vector<TrendPoint>& points, double x, double gammaMin, double gammaMax);
 
 }  // namespace metrolux

@@ -142,13 +142,12 @@ TEST_P(Furnace, ASphereLightInTheMiddleOfASphere) {
 }
 
 TEST(McmcVcm, NoPassIsDarkerOrBrighterThanTheOthers) {
-    // A target that changes with the eye vertices and shrinks with the radius: caustic light seen through
-    // glass. An iteration starts its chains from the states of the last, which do not follow the new target
-    // yet, and normalisations lag behind: the bias that is left is proportional to the inverse length of the
-    // chains (here 171 steps; 0.5 % at 260 steps). It is bounded here, not excluded: 5 % beyond the
-    // statistical error. Errors of 50 % (second pass) and 17 % were found.
+    // A target that changes with the eye vertices and shrinks with the radius: caustic light seen through glass, found by
+    // merging only. What was found by this test: 50 % (second pass, b_F of other weights), 17 % and 6 % (normalisations that
+    // lag behind the radius), 3 % (chains that start from states of the last target). What is left is the noise of b_V and
+    // b_F, which enter the weights: a part in their squared error, below 1 % here.
     constexpr int kPasses = 16;
-    constexpr double kAllowedBias = 0.05;
+    constexpr double kAllowedBias = 0.01;
     SceneBuilder b;
     b.add(makeSphere(Transform(), {0, 0, 0}, 1, false), diffuse(1));
     b.add(makeSphere(Transform(), {0, 0, 0}, 1.1f, false), makeDielectric({}));

@@ -18,14 +18,11 @@ class RenderableScene {
     explicit RenderableScene(const std::filesystem::path& file, const LoadOptions& options = {})
         : RenderableScene(loadScene(file, options)) {}
 
-    /// Mean of `passes` passes, 3 floats a pixel. `radiusFactor`: merging radius as a multiple of the default. Chains get
-    /// about 1000 steps in a pass, as in images of usual size: short ones lag behind the targets (docs/results.md).
+    /// Mean of `passes` passes, 3 floats a pixel. `radiusFactor`: merging radius as a multiple of the default.
     std::vector<float> render(const std::string& integrator, int passes, uint64_t seed, double radiusFactor = 1) const {
-        constexpr int kStepsOfChain = 1000;
         IntegratorOptions options;
         options.seed = seed;
         options.limits = limits_;
-        options.lanes = std::max(1, pixelCount() / (3 * kStepsOfChain));
         if (radiusFactor != 1) options.radius = radiusFactor * projectedPixelRadius(*scene_, options);
         Film film(scene_->camera().window(), filter_);
         const auto integrates = makeIntegrator(integrator, *scene_, options);

@@ -29,23 +29,16 @@ Normalisation simulate(uint64_t seed, int steps, int held) {
     for (int lane = 0; lane < kLanes; ++lane) {
         CounterRng rng(hashKey(seed, lane));
         Normalisation::Samples s;
-        double v = 0, f = 0;
+        double v = 0;
         for (int i = 0; i < steps; ++i) {
             s.addUniform(rng.nextDouble() < kVisible ? std::exp(kMu + kSigma * normalDeviate(rng)) : 0);
-            if (i % held == 0) {
-                v = std::exp(kMu + kSigma * normalDeviate(rng));
-                // The density F / b_F turns a log-normal into one whose mean is shifted by the variance.
-                f = std::exp(kMu + kSigma * kSigma + kSigma * normalDeviate(rng));
-            }
+            if (i % held == 0) v = std::exp(kMu + kSigma * normalDeviate(rng));
             s.addVisibility(v);
-            // Expected-value weights, and a proposal of no use.
-            s.addContribution(f, 0.75);
-            s.addContribution(f, 0.25);
-            s.addContribution(0, 0);
         }
         n.add(lane, s);
     }
-    n.update();
+    n.endIteration(1);
+    n.update(1);
     return n;
 }
 
@@ -88,127 +81,85 @@ TEST(Normalisation, IsRightOnAverageAndKnowsItsError) {
             EXPECT_LT(c.rms, 2 * c.claimed) << "held " << held;
             EXPECT_GT(c.rms, 0.5 * c.claimed) << "held " << held;
         }
-        // Solved again from where the first solution ended: nothing moves.
-        EXPECT_NEAR(runs[0].visibilityEstimate().value / runs[0].visibility(), 1, 1e-7);
-        EXPECT_NEAR(runs[0].contributionEstimate().value / runs[0].contribution(), 1, 1e-7);
-
-        // Of use only if it beats the mean over uniform samples.
-        const Calibration plain = calibrate(
-            runs, kContribution, [](const Normalisation& n) { return n.contributionFromUniform(); });
-        EXPECT_LT(f.rms, plain.rms);
+        // Of use only if it beats the mean of F over the uniform samples alone.
+        const double plain = std::sqrt((std::exp(kSigma * kSigma) / kVisible - 1) / (kLanes * 2000.0));
+        EXPECT_LT(f.rms, plain);
     }
 }
 
-TEST(Normalisation, IsTheFixedPointOfItsEquations) {
-    // Samples of two sizes, so that the sums can be written out: b_V = sum W_j, b_F = sum F_j W_j.
-    for (const double scale : {1e-20, 1.0, 1e20}) {
-        Normalisation n;
+TEST(Normalisation, FollowsAPowerOfTheRadius) {
+    // r^2 ~ i^-1/4 as [HPJ12] has it; V ~ r^2, mean of F over it ~ 1 / r^2. Counts are their expectations: no noise.
+    Normalisation n;
+    constexpr int kIterations = 1000;  // more than the records that are kept apart
+    constexpr int kSamples = 100000;
+    for (int i = 1; i <= kIterations; ++i) {
+        const double r2 = std::pow(i, -0.25);
         Normalisation::Samples s;
-        const double small = scale, large = 50 * scale;
-        for (int i = 0; i < 1000; ++i) s.addUniform(i < 40 ? small : i < 42 ? large : 0);
-        for (int i = 0; i < 500; ++i) s.addVisibility(i < 470 ? small : large);
-        for (int i = 0; i < 300; ++i) s.addContribution(i < 90 ? small : large, 1);
+        const int visible = int(std::lround(0.1 * kSamples * r2));
+        for (int k = 0; k < kSamples / 10; ++k) s.addUniform(k < visible / 10 ? 3 / r2 : 0);
+        for (int k = 0; k < 100; ++k) s.addVisibility(3 / r2);
         n.add(0, s);
-        n.update();
-        const double bV = n.visibility(), bF = n.contribution();
-        const double wSmall = 600 / (1000 + 500 / bV + 300 * small / bF),
-                     wLarge = 242 / (1000 + 500 / bV + 300 * large / bF);
-        EXPECT_NEAR((wSmall + wLarge) / bV, 1, 1e-6) << scale;
-        EXPECT_NEAR((wSmall * small + wLarge * large) / bF, 1, 1e-6) << scale;
+        n.endIteration(r2);
+        n.update(r2);
+        // Whole numbers of visible samples: 1 in 178 at least.
+        EXPECT_NEAR(n.visibility() / (0.1 * r2), 1, 0.006) << i;
+        EXPECT_NEAR(n.contribution() / 0.3, 1, 0.006) << i;
     }
 }
 
-TEST(Normalisation, AReplicaWithoutSamplesIsJudgedByTheOthers) {
+TEST(Normalisation, ForgetsSizesButNotWhatWasVisible) {
     Normalisation n;
-    CounterRng rng(6);
-    Normalisation::Samples s;
-    for (int i = 0; i < 100000; ++i)
-        s.addUniform(rng.nextDouble() < kVisible ? std::exp(rng.nextDouble()) : 0);
-    for (int i = 0; i < 100000; ++i) s.addVisibility(std::exp(rng.nextDouble()));
-    n.add(0, s);
-    n.update();
-    EXPECT_NEAR(n.visibility(), n.visibilityFromUniform().value, 1e-9);
-    EXPECT_NEAR(n.contribution() / (n.visibility() * (std::numbers::e - 1)), 1, 0.01);
-}
-
-TEST(Normalisation, InvisibleStatesOfAChainAreNoSamples) {
-    // A new target can make a chain's state invisible. Counted as samples of the chain such states drove b_V
-    // to 1e-9 where few uniform samples are visible (Mitsuba's roughdielectric sphere: 20 % too dark).
-    Normalisation n;
-    CounterRng rng(7);
-    Normalisation::Samples s;
-    for (int i = 0; i < 100000; ++i) s.addUniform(i % 10000 == 0 ? std::exp(rng.nextDouble()) : 0);
-    for (int i = 0; i < 10000; ++i) s.addVisibility(std::exp(rng.nextDouble()));
-    for (int i = 0; i < 10000; ++i) s.addContribution(i % 4 == 0 ? 0 : std::exp(rng.nextDouble()), 1);
-    n.add(0, s);
-    n.update();
-    EXPECT_NEAR(n.visibility(), 1e-4, 1e-9);
-}
-
-TEST(Normalisation, DiscountedSamplesWeighLess) {
-    Normalisation n;
-    Normalisation::Samples old, recent;
-    for (int i = 0; i < 1000; ++i) {
-        old.addUniform(i % 2 == 0 ? 8 : 0);
-        recent.addUniform(i % 10 == 0 ? 2 : 0);
-    }
-    n.add(0, old);
-    n.discount(0.25);
-    n.add(0, recent);
-    n.update();
-    EXPECT_NEAR(n.visibility(), (0.25 * 0.5 + 0.1) / 1.25, 1e-6);
-    EXPECT_NEAR(n.contribution(), (0.25 * 4 + 0.2) / 1.25, 1e-6);
-    n.forget();
-    n.update();
-    EXPECT_NEAR(n.contribution(), (0.25 * 4 + 0.2) / 1.25, 1e-6);  // kept until there are new samples
-}
-
-TEST(Normalisation, ClassicEstimatesAgree) {
-    const Normalisation n = simulate(77, 20000, 1);
-    const Estimate v = n.visibilityFromUniform(), f = n.contributionFromUniform();
-    EXPECT_LT(std::abs(v.value - kVisible), 5 * v.standardError);
-    EXPECT_LT(std::abs(f.value - kContribution), 6 * f.standardError);
-    EXPECT_NEAR(n.contributionFromVisibility() / kContribution, 1, 0.15);
-}
-
-TEST(Normalisation, UniformSamplesAloneGiveTheirMeans) {
-    Normalisation n;
-    CounterRng rng(5);
-    double visible = 0, size = 0;
-    for (int lane = 0; lane < 8; ++lane) {
+    const auto iteration = [&](double size) {
         Normalisation::Samples s;
-        for (int i = 0; i < 1000; ++i) {
-            const double x = rng.nextDouble() < 0.2 ? std::exp(4 * rng.nextDouble()) : 0;
-            visible += x > 0 ? 1 / 8000.0 : 0;
-            size += x / 8000;
-            s.addUniform(x);
-        }
-        n.add(lane, s);
-    }
-    n.update();
-    EXPECT_NEAR(n.visibility(), visible, 1e-6 * visible);
-    EXPECT_NEAR(n.contribution(), size, 1e-6 * size);
-    EXPECT_NEAR(n.visibilityEstimate().standardError, std::sqrt(0.2 * 0.8 / 8000), 0.003);
+        for (int i = 0; i < 100; ++i) s.addUniform(i < 10 ? size : 0);
+        n.add(0, s);
+        n.endIteration(1);
+    };
+    iteration(100);
+    EXPECT_EQ(n.visibleSamples(), 10);
+    n.forgetSizes();
+    EXPECT_EQ(n.visibleSamples(), 0);
+    n.update(1);  // no sizes: what was known stays
+    EXPECT_EQ(n.visibility(), 1);
+    iteration(2);
+    n.update(1);
+    EXPECT_NEAR(n.visibility(), 0.1, 1e-12);
+    EXPECT_NEAR(n.contribution(), 0.2, 1e-12);
+}
+
+TEST(Normalisation, FitTrend) {
+    std::vector<TrendPoint> points;
+    for (const double x : {0.0, -0.1, -0.3, -0.35}) points.push_back({x, 50, 50 * std::exp(-1 + 0.7 * x), 1 - x});
+    EXPECT_NEAR(fitTrend(points, -0.5, 0, 1), std::exp(-1.35), 1e-8);
+    // At the bound the ratio of the sums decides.
+    double count = 0, exposure = 0;
+    for (const TrendPoint& p : points) count += p.weight * p.count, exposure += p.weight * p.exposure;
+    EXPECT_NEAR(fitTrend(points, -0.5, -1, 0), count / exposure, 1e-12);
+    EXPECT_EQ(fitTrend({}, 0, 0, 1), 0);
+    EXPECT_EQ(fitTrend({{0, 10, 0, 1}, {-1, 10, 0, 1}}, 0, 0, 1), 0);
+    // One point, or none that differ in x: no trend to see.
+    EXPECT_NEAR(fitTrend({{-2, 10, 5, 1}}, -2, 0, 1), 0.5, 1e-12);
 }
 
 TEST(Normalisation, KnowsNothingWithoutVisibleOrUniformSamples) {
     Normalisation n;
-    n.update();
+    n.update(1);
     EXPECT_EQ(n.visibility(), 1);
     EXPECT_EQ(n.contribution(), 1);
-    EXPECT_TRUE(std::isinf(n.visibilityFromUniform().standardError));
     Normalisation::Samples dark;
     for (int i = 0; i < 100; ++i) dark.addUniform(0);
     n.add(0, dark);
-    n.update();
+    n.endIteration(1);
+    n.update(1);
     EXPECT_TRUE(std::isfinite(n.visibility()));
     EXPECT_TRUE(std::isinf(n.visibilityEstimate().standardError));  // groups without samples
 
     Normalisation chainsOnly;
     Normalisation::Samples s;
-    for (int i = 0; i < 100; ++i) s.addVisibility(2.0), s.addContribution(3.0, 1);
+    for (int i = 0; i < 100; ++i) s.addVisibility(2.0);
     chainsOnly.add(0, s);
-    chainsOnly.update();
+    chainsOnly.endIteration(1);
+    chainsOnly.update(1);
     EXPECT_EQ(chainsOnly.visibility(), 1);
     EXPECT_EQ(chainsOnly.contribution(), 1);
 }
@@ -217,13 +168,13 @@ TEST(Normalisation, ClearedSamplesAreEmpty) {
     Normalisation::Samples s;
     s.addUniform(1);
     s.addVisibility(2);
-    s.addContribution(3, 1);
     s.clear();
     Normalisation n;
     n.add(0, s);
-    n.update();
+    n.endIteration(1);
+    n.update(1);
     EXPECT_EQ(n.visibility(), 1);
-    EXPECT_EQ(n.visibilityFromUniform().value, 0);
+    EXPECT_EQ(n.visibleSamples(), 0);
 }
 
 TEST(Normalisation, ExtremeSizesAreFinite) {
@@ -232,10 +183,10 @@ TEST(Normalisation, ExtremeSizesAreFinite) {
     for (const double size : {1e-37, 1e-10, 1.0, 1e10, 1e37}) {
         s.addUniform(size);
         s.addVisibility(size);
-        s.addContribution(size, 1);
     }
     n.add(0, s);
-    n.update();
+    n.endIteration(1);
+    n.update(1);
     EXPECT_TRUE(n.visibility() > 0 && n.visibility() <= 1);
     EXPECT_TRUE(std::isfinite(n.contribution()) && n.contribution() > 0);
 }

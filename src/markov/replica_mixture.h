@@ -1,0 +1,29 @@
+#pragma once
+
+namespace metrolux {
+
+/// Samples of each replica in an iteration, and the balance heuristic across replicas: W(u) of ALGORITHM.md section 3.
+///
+/// A chain's steps are correlated and count for less than independent samples: with statistical inefficiency g, n steps of
+/// a chain enter every weight as n/g samples. Any g is unbiased.
+struct ReplicaMixture {
+    double uniform = 0, visibility = 0, contribution = 0;  ///< n_U, n_V, n_F
+    double bVisibility = 1, bContribution = 1;
+    double inefficiency = 1;  ///< g
+
+    double samples() const { return uniform + visibility + contribution; }
+    /// Weight of a uniform sample of this size F: 1 / (n_U + n_V / (g b_V) + n_F F / (g b_F)); 0 if it is invisible.
+    double uniformWeight(double size) const {
+        if (!(size > 0)) return 0;
+        return 1.0 / (uniform + (visibility / bVisibility + contribution * size / bContribution) / inefficiency);
+    }
+    /// Weight of a step of either chain at a state of this size.
+    double chainWeight(double size) const { return uniformWeight(size) / inefficiency; }
+    /// Density boost q of section 1: the visibility replica's density stands for both chains.
+    double boost() const {
+        const double chains = visibility + contribution;
+        return (uniform + (chains > 0 ? chains / (inefficiency * bVisibility) : 0)) / samples();
+    }
+};
+
+}  // namespace metrolux

@@ -20,6 +20,7 @@ struct IntegratorOptions {
     bool adaptiveKernel = false;     ///< mcmc_vcm: the mutation of the supplement's eq. 4-5 in place of [Kel02]'s
     /// mcmc_vcm: statistical inefficiency g of the chains; a step counts as 1/g sample in all weights. Any value is unbiased.
     double chainInefficiency = 4;
+    bool correlationAware = true;    ///< vcm, mcmc_vcm: Strategies::mergeShare()
     int lanes = 0;                   ///< mcmc_vcm: number of independent lanes; 0: default
     std::string replicas = "uvf";    ///< mcmc_vcm: which replicas take part (study of each alone)
 };

@@ -66,7 +66,7 @@ uint64_t lightSubpathKey(uint64_t seed, uint32_t passIndex, size_t index) {
 }
 
 void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t passIndex, size_t first, size_t count,
-                    double filmShare, std::vector<double>* sizes) {
+                    double filmShare, std::vector<double>* sizes, PhotonDensity* counted) {
     constexpr size_t kChunk = 256;
     const double scale = 1.0 / double(count);
     if (sizes) sizes->assign(count, 0);
@@ -74,7 +74,7 @@ void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t p
         SplatList splats;
         for (size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
             IndependentStream stream(lightSubpathKey(seed, passIndex, first + i));
-            pass.evaluate(stream, splats);
+            pass.evaluate(stream, splats, counted);
             if (splats.empty()) continue;
             film.addSplats(splats, scale, scale * filmShare);
             if (sizes) (*sizes)[i] = splats.size();

@@ -40,15 +40,18 @@ class RadiusSchedule {
     double radius_, alpha_, iteration_ = 1;
 };
 
+/// Edge of a PhotonDensity's cell in first merging radii: a compromise of noise and detail.
+inline constexpr double kPhotonCell = 8;
+
 /// First merging radius: a multiple of the mean width of a pixel's footprint on the surfaces that the camera sees
 /// (through mirrors and glass, at the first smooth surface). Falls back to a fraction of the scene if it sees none.
 double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options);
 
 /// Traces `count` independent light subpaths (indices `first` ...) and adds them to the film, averaged over
 /// `count`; film splats are scaled by `filmShare` besides (the part of the pass that this iteration stands for).
-/// `sizes`, if given, receives F of each light subpath.
+/// `sizes`, if given, receives F of each light subpath; their vertices are `counted`.
 void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t passIndex, size_t first, size_t count,
-                    double filmShare, std::vector<double>* sizes = nullptr);
+                    double filmShare, std::vector<double>* sizes = nullptr, PhotonDensity* counted = nullptr);
 
 /// Key of the stream of light subpath `index` of a plain pass.
 uint64_t lightSubpathKey(uint64_t seed, uint32_t passIndex, size_t index);

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <optional>
+
 #include "base/error.h"
 #include "base/parallel.h"
 #include "integrators/iteration.h"
@@ -74,6 +76,7 @@ class McmcVcmIntegrator final : public Integrator {
         if (!useUniform_ && !useVisibility_ && !useContribution_)
             throw Error("replicas: found nothing, expected a combination of the letters u, v, f");
         const auto kind = options.adaptiveKernel ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
+        if (options.correlationAware) photons_.emplace(kPhotonCell * radius_.radius());
         for (int i = 0; i < laneCount(); ++i) lanes_.emplace_back(options.seed, i, kind);
     }
 
@@ -105,8 +108,8 @@ class McmcVcmIntegrator final : public Integrator {
     void collectSamples();
     void seedChains(uint32_t pass, size_t first, const std::vector<double>& sizes);
     void runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t earlySteps, size_t steps, Film& film,
-                 double filmShare) const;
-    void uniformSample(Lane& lane, const LightPass& pass) const;
+                 double filmShare);
+    void uniformSample(Lane& lane, const LightPass& pass);
     size_t takeEarlySamples(const LightPass& pass, size_t steps);
     void startChains(uint32_t pass, size_t first);
     void renewStates(const LightPass& pass);
@@ -119,6 +122,7 @@ class McmcVcmIntegrator final : public Integrator {
     IntegratorOptions options_;
     PixelPartition partition_;
     RadiusSchedule radius_;
+    std::optional<PhotonDensity> photons_;
     bool useUniform_, useVisibility_, useContribution_;
     bool chainsSeeded_ = false, chainsReady_ = false;
     std::vector<Lane> lanes_;
@@ -157,7 +161,8 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
     normalisation_.update(r * r);
     const ReplicaMixture mix = mixture(pixels.size());
     const double lambda = mix.samples() * mix.boost() / n;
-    const Strategies strategies = Strategies::bidirectional(lambda, n * std::numbers::pi * r * r);
+    const Strategies strategies = Strategies::bidirectional(lambda, n * std::numbers::pi * r * r,
+                                                             photons_ ? &*photons_ : nullptr);
     const double filmShare = n / film.pixelCount();
 
     EyePass{scene_, options_.limits, strategies, options_.seed, film.passes()}.run(pixels, film, eyes_);
@@ -166,7 +171,9 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
 
     if (!chainsReady_) {
         std::vector<double> sizes;
-        plainLightPass(pass, film, options_.seed, film.passes(), first, pixels.size(), filmShare, &sizes);
+        plainLightPass(pass, film, options_.seed, film.passes(), first, pixels.size(), filmShare, &sizes,
+                       photons_ ? &*photons_ : nullptr);
+        if (photons_) photons_->endIteration(n);
         // Shared out among the lanes, so that the jackknife over lanes covers them.
         const size_t lanes = lanes_.size();
         for (size_t i = 0; i < sizes.size(); ++i) lanes_[i % lanes].samples.addUniform(sizes[i]);
@@ -191,6 +198,7 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
     else
         renewStates(pass);
     parallelFor(lanes_.size(), [&](size_t i) { runLane(lanes_[i], pass, mix, earlySteps, steps, film, filmShare); });
+    if (photons_ && useUniform_) photons_->endIteration(mix.uniform);
     collectSamples();
 }
 
@@ -231,12 +239,13 @@ void McmcVcmIntegrator::seedChains(uint32_t pass, size_t first, const std::vecto
     chainsSeeded_ = true;
 }
 
-void McmcVcmIntegrator::uniformSample(Lane& lane, const LightPass& pass) const {
+void McmcVcmIntegrator::uniformSample(Lane& lane, const LightPass& pass) {
     State& u = lane.uniform;
     u.u.clear();
     u.weight = 0;
     PrimarySampleStream stream(u.u, lane.rng);
-    evaluate(pass, stream, u.value);
+    pass.evaluate(stream, u.value.splats, photons_ ? &*photons_ : nullptr);
+    u.value.size = u.value.splats.size();
     lane.samples.addUniform(u.value.size);
     if (u.value.visible()) lane.lastVisible = u.u;
 }
@@ -317,7 +326,7 @@ void McmcVcmIntegrator::renewStates(const LightPass& pass) {
 }
 
 void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t earlySteps,
-                                size_t steps, Film& film, double filmShare) const {
+                                size_t steps, Film& film, double filmShare) {
     const auto evaluateHere = [&](SampleStream& stream, Contribution& c) { evaluate(pass, stream, c); };
     auto nextEarly = lane.early.begin();
     for (size_t step = 0; step < steps; ++step) {

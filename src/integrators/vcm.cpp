@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <optional>
+
 #include "integrators/iteration.h"
 
 namespace metrolux {
@@ -15,20 +17,25 @@ class VcmIntegrator final : public Integrator {
           options_(options),
           merge_(merge),
           partition_(scene.camera().window(), options),
-          radius_(merge ? projectedPixelRadius(scene, options) : 0, options.radiusAlpha) {}
+          radius_(merge ? projectedPixelRadius(scene, options) : 0, options.radiusAlpha) {
+        if (merge && options.correlationAware) photons_.emplace(kPhotonCell * radius_.radius());
+    }
 
     void renderPass(Film& film) override {
         size_t first = 0;
         for (int part = 0; part < partition_.parts(); ++part) {
             const std::span<const uint32_t> pixels = partition_.pixels(part);
             const double n = double(pixels.size()), r = radius_.radius();
-            const Strategies strategies = Strategies::bidirectional(1, merge_ ? n * std::numbers::pi * r * r : 0);
+            const Strategies strategies = Strategies::bidirectional(1, merge_ ? n * std::numbers::pi * r * r : 0,
+                                                                     photons_ ? &*photons_ : nullptr);
             EyePass{scene_, options_.limits, strategies, options_.seed, film.passes()}.run(pixels, film, eyes_);
             if (merge_) grid_.build(eyes_.all(), static_cast<float>(r));
 
             LightPass pass{scene_, options_.limits, strategies, eyes_, grid_, film};
             pass.merge = merge_;
-            plainLightPass(pass, film, options_.seed, film.passes(), first, pixels.size(), n / film.pixelCount());
+            plainLightPass(pass, film, options_.seed, film.passes(), first, pixels.size(), n / film.pixelCount(),
+                           nullptr, photons_ ? &*photons_ : nullptr);
+            if (photons_) photons_->endIteration(n);
             first += pixels.size();
         }
         film.endPass();
@@ -49,6 +56,7 @@ class VcmIntegrator final : public Integrator {
     bool merge_;
     PixelPartition partition_;
     RadiusSchedule radius_;
+    std::optional<PhotonDensity> photons_;
     EyeVertices eyes_;
     VertexGrid grid_;
 };

@@ -60,7 +60,7 @@ Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Verte
     edge.cosineLight = c->cosine;
     edge.cosineSurface = absDot(c->wi, eye.si.ng);
     edge.distanceSquared = sqr(double(c->distance));
-    const double weight = neeWeight(strategies, eye.mis, edge, s.pdfForward, s.pdfReverse);
+    const double weight = neeWeight(strategies, eye.mis, edge, s.pdfForward, s.pdfReverse, eye.mergeShare);
     return eye.throughput * s.value * c->value * static_cast<float>(weight / choice.probability);
 }
 
@@ -98,7 +98,8 @@ Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vert
     const double lightArea = e.pdfForward * absDot(toLight, light.si.ng) / distanceSquared;
     const double eyeArea = l.pdfForward * absDot(toLight, eye.si.ng) / distanceSquared;
     const double weight =
-        connectWeight(strategies, light.mis, eye.mis, lightArea, eyeArea, l.pdfReverse, e.pdfReverse);
+        connectWeight(strategies, light.mis, eye.mis, lightArea, eyeArea, l.pdfReverse,
+                                        e.pdfReverse, light.mergeShare, eye.mergeShare);
     const Rgb value =
         light.throughput * l.value * eye.throughput * e.value * static_cast<float>(weight / distanceSquared);
     if (isBlack(value) || !scene.visible(eye.si.p, eye.si.ng, light.si.p, light.si.ng)) return Rgb(0.0f);
@@ -114,7 +115,7 @@ Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Verte
     if (!(cosineLight > 0)) return Rgb(0.0f);
     const VertexScattering s = scatterEye(eye, light.toPrevious);
     if (isBlack(s.value)) return Rgb(0.0f);
-    const double weight = mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse);
+    const double weight = mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse, eye.mergeShare);
     return light.throughput * eye.throughput * s.value * static_cast<float>(weight * inverseDiskArea / cosineLight);
 }
 

@@ -11,8 +11,9 @@ namespace {
 
 class LightVisitor final : public SubpathVisitor {
   public:
-    LightVisitor(const LightPass& pass, std::span<const Vertex> partner, const Vec2f& uLens, SplatList& splats)
-        : pass_(pass), partner_(partner), uLens_(uLens), splats_(splats) {
+    LightVisitor(const LightPass& pass, std::span<const Vertex> partner, const Vec2f& uLens, SplatList& splats,
+                 PhotonDensity* counted)
+        : pass_(pass), partner_(partner), uLens_(uLens), splats_(splats), counted_(counted) {
         const float r = pass.grid.radius();
         inverseDiskArea_ = 1.0 / (double(kPi) * r * r);
     }
@@ -20,6 +21,7 @@ class LightVisitor final : public SubpathVisitor {
     bool surface(const Vertex& v) override {
         const int limit = pass_.limits.maxDepth < 0 ? std::numeric_limits<int>::max() / 2 : pass_.limits.maxDepth;
         if (v.bsdf().hasSmoothLobe()) {
+            if (counted_) counted_->count(v.si.p);
             if (v.depth < limit) splat(v);
             if (pass_.connect) connect(v, limit);
             if (pass_.merge) merge(v, limit);
@@ -61,6 +63,7 @@ class LightVisitor final : public SubpathVisitor {
     std::span<const Vertex> partner_;
     Vec2f uLens_;
     SplatList& splats_;
+    PhotonDensity* counted_;
     double inverseDiskArea_;
 };
 
@@ -85,7 +88,7 @@ uint64_t hilbertDistance(int order, uint32_t x, uint32_t y) {
 
 }  // namespace
 
-void LightPass::evaluate(SampleStream& stream, SplatList& splats) const {
+void LightPass::evaluate(SampleStream& stream, SplatList& splats, PhotonDensity* counted) const {
     splats.clear();
     stream.seek(0);
     for (int i = 0; i < kEyeSubpathCoordinate; ++i) stream.next1D();
@@ -96,7 +99,7 @@ void LightPass::evaluate(SampleStream& stream, SplatList& splats) const {
         const size_t n = eyes.subpathCount();
         partner = eyes.subpath(std::min(static_cast<size_t>(double(uEye) * double(n)), n - 1));
     }
-    LightVisitor visitor(*this, partner, uLens, splats);
+    LightVisitor visitor(*this, partner, uLens, splats, counted);
     traceLightSubpath(scene, stream, limits, strategies, visitor);
 }
 

@@ -27,7 +27,8 @@ struct LightPass {
 
     /// Appends to `splats` (cleared first). Scales: a pixel splat is the estimate of its pixel from one light subpath;
     /// divide by the number of light subpaths to average.
-    void evaluate(SampleStream& stream, SplatList& splats) const;
+    /// `counted`: where the subpath's vertices are counted, if given.
+    void evaluate(SampleStream& stream, SplatList& splats, PhotonDensity* counted = nullptr) const;
 };
 
 /// Order of the window's pixels along a Hilbert curve: a small step in the curve's parameter is a near pixel.

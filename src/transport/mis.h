@@ -7,7 +7,10 @@
 /// probabilities are not a property of the path alone. Leaving it out costs nothing but optimality: the weights depend
 /// on the path only and sum to one (docs/notation.md).
 
+#include <algorithm>
+
 #include "base/math.h"
+#include "transport/photon_density.h"
 
 namespace metrolux {
 
@@ -17,9 +20,23 @@ struct Strategies {
     double hitNee = 1;
     double connect = 1;  ///< connections of inner vertices and splats; 0 for path tracing
     double merge = 0;
+    /// Density of the light subpaths' vertices, for mergeShare(); null: every merge counts in full.
+    const PhotonDensity* photons = nullptr;
 
-    static Strategies path() { return {1, 0, 0}; }
-    static Strategies bidirectional(double lambda, double eta) { return {1.0 / lambda, 1, eta}; }
+    /// Share c of `merge` that counts at a vertex which the eye subpath has reached by chance. All photons within the radius share
+    /// that vertex: their mean is an estimate from one eye subpath, however many they are, so that K expected photons
+    /// count as max(1, K) / K. (After Grittmann et al. 2021, Correlation-Aware MIS for Bidirectional Rendering Algorithms,
+    /// whose heuristic compares densities of the path; here K is measured.) The eye subpath's first smooth vertex is not
+    /// chance: there c = 1.
+    double mergeShare(const Vec3f& p) const {
+        if (!photons || !(merge > 0)) return 1;
+        return 1 / std::max(1.0, merge / hitNee * photons->at(p));
+    }
+
+    static Strategies path() { return {1, 0, 0, nullptr}; }
+    static Strategies bidirectional(double lambda, double eta, const PhotonDensity* photons = nullptr) {
+        return {1.0 / lambda, 1, eta, photons};
+    }
 };
 
 /// How a light's densities turn into the measure of its first edge.
@@ -81,12 +98,13 @@ struct MisState {
     }
 
     /// Scattering by a smooth lobe: TR eq. 31-33. `cosine` is that of the outgoing direction with the geometric
-    /// normal; densities per solid angle.
-    void scatter(const Strategies& n, double cosine, double pdfForward, double pdfReverse, bool firstVertexOfLight) {
+    /// normal; densities per solid angle; `share`: of merging at this vertex.
+    void scatter(const Strategies& n, double cosine, double pdfForward, double pdfReverse, bool firstVertexOfLight,
+                 double share = 1) {
         const double g = cosine / pdfForward;
         const double previous = (firstVertexOfLight ? 1.0 : n.connect) * dVCM;
-        dVC = g * (n.merge + previous + pdfReverse * dVC);
-        dVM = n.merge > 0 ? g * (1.0 + dVCM / n.merge + pdfReverse * dVM) : 0;
+        dVC = g * (n.merge * share + previous + pdfReverse * dVC);
+        dVM = n.merge > 0 ? g * (share + dVCM / n.merge + pdfReverse * dVM) : 0;
         dVCM = 1.0 / pdfForward;
     }
 
@@ -107,11 +125,12 @@ inline double hitWeight(const Strategies& n, const MisState& eye, double connect
     return 1.0 / (1.0 + connectArea * eye.dVCM + emission * eye.dVC / n.hitNee);
 }
 
-/// Weight of next-event estimation: TR eq. 44. Densities per solid angle at the eye vertex.
-inline double neeWeight(const Strategies& n, const MisState& eye, const LightEdge& e, double pdfLight, double pdfEye) {
+/// Weight of next-event estimation: TR eq. 44. Densities per solid angle at the eye vertex; `share` of merging there.
+inline double neeWeight(const Strategies& n, const MisState& eye, const LightEdge& e, double pdfLight, double pdfEye,
+                        double share = 1) {
     const double light = e.delta ? 0.0 : pdfLight / e.connect;
     const double eyeSide =
-        e.emissionOverConnection() / n.hitNee * (n.merge + n.connect * eye.dVCM + pdfEye * eye.dVC);
+        e.emissionOverConnection() / n.hitNee * (n.merge * share + n.connect * eye.dVCM + pdfEye * eye.dVC);
     return 1.0 / (1.0 + light + eyeSide);
 }
 
@@ -122,21 +141,22 @@ inline double splatWeight(const Strategies& n, const MisState& light, double cam
 }
 
 /// Weight of connecting two inner vertices: TR eq. 40-42. `lightArea`: density per area with which the eye vertex
-/// samples the light vertex, `eyeArea` the converse; pdfLight: reverse density at the light vertex, pdfEye at the eye's.
+/// samples the light vertex, `eyeArea` the converse; pdfLight: reverse density at the light vertex, pdfEye at the eye's. Shares of merging
+/// at either.
 inline double connectWeight(const Strategies& n, const MisState& light, const MisState& eye, double lightArea,
-                            double eyeArea, double pdfLight, double pdfEye) {
-    const double lightSide = lightArea * (n.merge + light.dVCM + pdfLight * light.dVC);
-    const double eyeSide = eyeArea * (n.merge + eye.dVCM + pdfEye * eye.dVC);
+                            double eyeArea, double pdfLight, double pdfEye, double lightShare = 1, double eyeShare = 1) {
+    const double lightSide = lightArea * (n.merge * lightShare + light.dVCM + pdfLight * light.dVC);
+    const double eyeSide = eyeArea * (n.merge * eyeShare + eye.dVCM + pdfEye * eye.dVC);
     return 1.0 / (1.0 + lightSide + eyeSide);
 }
 
 /// Weight of merging: TR eq. 37-39. At the eye vertex, `pdfLight` is the density of the direction toward the light
-/// subpath's predecessor given the eye's, `pdfEye` the converse.
+/// subpath's predecessor given the eye's, `pdfEye` the converse, `share` that of merging.
 inline double mergeWeight(const Strategies& n, const MisState& light, const MisState& eye, double pdfLight,
-                          double pdfEye) {
+                          double pdfEye, double share = 1) {
     const double lightSide = light.dVCM / n.merge + pdfLight * light.dVM;
     const double eyeSide = eye.dVCM / n.merge + pdfEye * eye.dVM;
-    return 1.0 / (1.0 + lightSide + eyeSide);
+    return share / (share + lightSide + eyeSide);
 }
 
 }  // namespace metrolux

@@ -21,7 +21,8 @@ struct Walk {
 
 /// Chooses the next direction at `v` and updates throughput and weights. The only home of throughput, roulette, the
 /// adjoint correction and the MIS recursion. False when the walk ends.
-bool scatter(const Walk& walk, const Vertex& v, Ray& ray, Rgb& throughput, MisState& mis) {
+/// `delta`: by a delta lobe.
+bool scatter(const Walk& walk, const Vertex& v, Ray& ray, Rgb& throughput, MisState& mis, bool& delta) {
     const Bsdf& bsdf = v.bsdf();
     walk.stream.seek(v.depth);
     const float uLobe = walk.stream.next1D();
@@ -47,6 +48,7 @@ bool scatter(const Walk& walk, const Vertex& v, Ray& ray, Rgb& throughput, MisSt
     const double cosine = absDot(direction, v.si.ng);
     if (!(cosine > 0)) return false;
     mis = v.mis;
+    delta = s->delta;
     if (s->delta) {
         double solidAngleRatio = 1;
         if (s->transmitted)
@@ -54,7 +56,8 @@ bool scatter(const Walk& walk, const Vertex& v, Ray& ray, Rgb& throughput, MisSt
         mis.scatterDelta(cosine, s->pdfReverse / s->pdfForward, solidAngleRatio);
     } else {
         const bool firstOfLight = walk.mode == TransportMode::Importance && v.depth == 1;
-        mis.scatter(walk.strategies, cosine, s->pdfForward, s->pdfReverse, firstOfLight);
+        mis.scatter(walk.strategies, cosine, s->pdfForward, s->pdfReverse, firstOfLight,
+                    v.mergeShare);
     }
     ray = {offsetRayOrigin(v.si.p, v.si.ng, direction), direction, kInfinity};
     return true;
@@ -65,11 +68,15 @@ int depthLimit(const PathLimits& limits) { return limits.maxDepth < 0 ? kDepthCa
 /// Goes on from a first vertex until the walk ends.
 void continueWalk(const Walk& walk, Vertex& v) {
     const int limit = depthLimit(walk.limits);
+    // Whether the vertex is the first smooth one that a camera's ray meets: not there by chance.
+    bool certain = walk.mode == TransportMode::Radiance;
+    if (!certain) v.mergeShare = static_cast<float>(walk.strategies.mergeShare(v.si.p));
     while (walk.visitor.surface(v) && v.depth < limit) {
         Ray ray;
         Rgb throughput;
         MisState mis;
-        if (!scatter(walk, v, ray, throughput, mis)) return;
+        bool delta = false;
+        if (!scatter(walk, v, ray, throughput, mis, delta)) return;
         SurfaceInteraction si;
         if (!walk.scene.intersect(ray, si)) {
             walk.visitor.escaped(v.si.p, ray.direction, throughput, mis, v.depth + 1);
@@ -84,6 +91,8 @@ void continueWalk(const Walk& walk, Vertex& v) {
         v.toPrevious = -ray.direction;
         v.throughput = throughput;
         v.mis = mis;
+        certain &= delta;
+        v.mergeShare = certain ? 1.0f : static_cast<float>(walk.strategies.mergeShare(si.p));
         ++v.depth;
     }
 }

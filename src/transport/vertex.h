@@ -14,6 +14,7 @@ struct Vertex {
     MisState mis;       ///< at arrival
     uint32_t pixel = 0; ///< eye subpaths: index in the rendered window
     int depth = 0;      ///< edges between the endpoint and this vertex
+    float mergeShare = 1;  ///< Strategies::mergeShare() here
 
     const Bsdf& bsdf() const { return *si.shape->bsdf; }
 };

@@ -145,9 +145,14 @@ class BruteForce {
         for (int s = 2; s <= m; ++s)
             if (smooth(s - 1) && smooth(s)) density[{"connect", s}] = product(s);
         if (m >= 1 && smooth(m)) density[{"splat", m + 1}] = product(m + 1);
-        if (n_.merge > 0)
-            for (int s = 1; s <= m; ++s)
-                if (smooth(s)) density[{"merge", s}] = n_.merge * product(s) * forward[s];
+        if (n_.merge > 0) {
+            bool certain = true;  // only delta scattering between x_s and the camera
+            for (int s = m; s >= 1; --s) {
+                if (!smooth(s)) continue;
+                density[{"merge", s}] = n_.merge * product(s) * forward[s] * (certain ? 1.0 : n_.mergeShare(p(s).p));
+                certain = false;
+            }
+        }
         double sum = 0;
         for (const auto& [key, value] : density) sum += value;
         for (auto& [key, value] : density) value /= sum;
@@ -247,10 +252,22 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
     const Scene& scene = *scenePtr;
     const PathLimits limits = scene.parts().limits;
     const double radius = 0.05, pixels = 32 * 24;
-    const Strategies n = Strategies::bidirectional(3.7, merging ? pixels * std::numbers::pi * radius * radius : 0);
+    // A density of photons that makes the shares of merging differ from vertex to vertex.
+    PhotonDensity photons(0.5);
+    constexpr int kPhotonSubpaths = 2000;
+    for (uint64_t i = 0; i < kPhotonSubpaths; ++i) {
+        IndependentStream stream(hashKey(i, 4));
+        Collector subpath;
+        traceLightSubpath(scene, stream, limits, Strategies::path(), subpath);
+        for (const Vertex& v : subpath.vertices) photons.count(v.si.p);
+    }
+    photons.endIteration(0.01 * kPhotonSubpaths);  // as if a hundred times as dense
+    const Strategies n =
+        Strategies::bidirectional(3.7, merging ? pixels * std::numbers::pi * radius * radius : 0, &photons);
+    int reduced = 0;  // vertices whose share is less than one
     // With this every other technique vanishes from the weight: the contribution itself.
-    const Strategies alone{1e30, 1, 0};
-    const Strategies aloneMerge{1e30, 1, 1e30};
+    const Strategies alone{1e30, 1, 0, nullptr};
+    const Strategies aloneMerge{1e30, 1, 1e30, nullptr};
     const BruteForce oracle(scene, n);
     const Light* light = scene.lights()[0].get();
 
@@ -277,6 +294,7 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
         traceEyeSubpath(scene, eyeStream, limits, n, Vec2f(rng.next1D() * 32, rng.next1D() * 24), 1, 0, eye);
         traceLightSubpath(scene, lightStream, limits, n, fromLight);
         const std::vector<Vertex>&e = eye.vertices, &l = fromLight.vertices;
+        for (const Vertex& v : e) reduced += v.mergeShare < 0.9f;
 
         const auto lightEnd = [&](FullPath& path, const Vertex& first) {
             path.light = light;
@@ -392,8 +410,10 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
                 const VertexScattering s = scatterEye(e[b - 1], -joined.toPrevious);
                 if (!(s.pdfForward > 0)) continue;
                 joined.mis = e[b - 1].mis;
-                joined.mis.scatter(n, absDot(joined.toPrevious, e[b - 1].si.ng), s.pdfForward, s.pdfReverse, false);
+                joined.mis.scatter(n, absDot(joined.toPrevious, e[b - 1].si.ng), s.pdfForward, s.pdfReverse, false,
+                                   e[b - 1].mergeShare);
             }
+            joined.mergeShare = b == 0 ? 1.0f : static_cast<float>(n.mergeShare(joined.si.p));
             joined.mis.arrive(d2, cosine);
             const Rgb weighted = mergeVertices(n, l[a], joined, 1);
             if (isBlack(weighted)) continue;
@@ -417,6 +437,9 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
         EXPECT_LT(d.back(), 2e-3) << name << " over " << count << " paths";
     }
     EXPECT_LT(worstSum, 1e-9);
+    if (merging) {
+        EXPECT_GT(reduced, 1000) << "the photons' density made no difference";
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(AllLights, MisOracle,

@@ -1,0 +1,27 @@
+#include "transport/photon_density.h"
+
+#include <cmath>
+
+#include "base/rng.h"
+
+namespace metrolux {
+
+PhotonDensity::PhotonDensity(double cell)
+    : inverseCell_(1 / cell), counts_(new std::atomic<uint32_t>[kBuckets]()), sums_(kBuckets, 0) {
+    // Mean area of a plane's cut through a cell that it meets: cell^2 * 1 if parallel to a face, up to 1.3 aslant.
+    constexpr double kMeanCut = 1.2;
+    area_ = kMeanCut * cell * cell;
+}
+
+size_t PhotonDensity::bucketOf(const Vec3f& p) const {
+    const auto index = [this](float x) { return static_cast<int64_t>(std::floor(double(x) * inverseCell_)); };
+    return hashKey(index(p.x), index(p.y), index(p.z)) & (kBuckets - 1);
+}
+
+void PhotonDensity::endIteration(double lightSubpaths) {
+    for (size_t i = 0; i < kBuckets; ++i) sums_[i] += counts_[i].exchange(0, std::memory_order_relaxed);
+    lightSubpaths_ += lightSubpaths;
+    scale_ = lightSubpaths_ > 0 ? 1 / (lightSubpaths_ * area_) : 0;
+}
+
+}  // namespace metrolux

@@ -1,0 +1,35 @@
+#pragma once
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "base/math.h"
+
+namespace metrolux {
+
+/// Density of light subpaths' vertices on surfaces, averaged over the iterations so far, from counts in the cells of a hash
+/// grid. It steers weights only: collisions in the table and cells that a surface crosses aslant cost efficiency, never
+/// brightness.
+class PhotonDensity {
+  public:
+    /// `cell`: edge of a cell in scene units, > 0.
+    explicit PhotonDensity(double cell);
+
+    /// Counts a vertex. Thread-safe; sums do not depend on the order. No effect on at() until endIteration().
+    void count(const Vec3f& p) { counts_[bucketOf(p)].fetch_add(1, std::memory_order_relaxed); }
+    /// Closes an iteration in which the vertices of so many light subpaths were counted.
+    void endIteration(double lightSubpaths);
+    /// Expected number of vertices per light subpath and area around p; 0 before the first iteration has ended.
+    double at(const Vec3f& p) const { return sums_[bucketOf(p)] * scale_; }
+
+  private:
+    static constexpr size_t kBuckets = size_t{1} << 18;
+    size_t bucketOf(const Vec3f& p) const;
+
+    double inverseCell_, area_, lightSubpaths_ = 0, scale_ = 0;
+    std::unique_ptr<std::atomic<uint32_t>[]> counts_;
+    std::vector<double> sums_;
+};
+
+}  // namespace metrolux

@@ -33,8 +33,10 @@ using State = MarkovState<Contribution>;
 using VisibilityChain = MarkovChain<Contribution, VisibilityTarget>;
 using ContributionChain = MarkovChain<Contribution, ContributionTarget>;
 
-/// States that an iteration's chains are chosen from: enough for resampling in proportion to F.
-constexpr size_t kPoolSize = 1024;
+/// Visible states that an iteration's chains are chosen from, at most. Their mean F enters the image as a factor.
+constexpr size_t kPoolSize = 16384;
+/// With fewer visible uniform samples expected in an iteration, chains go on from the last one's states.
+constexpr double kSmallestPool = 4;
 /// Visible uniform samples that b_V is to rest on.
 constexpr double kVisibleSamples = 256;
 
@@ -111,7 +113,7 @@ class McmcVcmIntegrator final : public Integrator {
                  double filmShare);
     void uniformSample(Lane& lane, const LightPass& pass);
     size_t takeEarlySamples(const LightPass& pass, size_t steps);
-    void startChains(uint32_t pass, size_t first);
+    void startChains(const LightPass& pass, uint32_t passIndex, size_t first, double taken, ReplicaMixture& mix);
     void renewStates(const LightPass& pass);
     static void evaluate(const LightPass& pass, SampleStream& stream, Contribution& c) {
         pass.evaluate(stream, c.splats);
@@ -159,7 +161,7 @@ ReplicaMixture McmcVcmIntegrator::mixture(size_t samples) const {
 void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, size_t first) {
     const double n = double(pixels.size()), r = radius_.radius();
     normalisation_.update(r * r);
-    const ReplicaMixture mix = mixture(pixels.size());
+    ReplicaMixture mix = mixture(pixels.size());
     const double lambda = mix.samples() * mix.boost() / n;
     const Strategies strategies = Strategies::bidirectional(lambda, n * std::numbers::pi * r * r,
                                                              photons_ ? &*photons_ : nullptr);
@@ -190,11 +192,12 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
         return;
     }
     const size_t steps = static_cast<size_t>(std::max({mix.uniform, mix.visibility, mix.contribution})) / lanes_.size();
-    const size_t earlySteps = takeEarlySamples(pass, steps);
-    size_t visible = 0;
-    for (const Lane& lane : lanes_) visible += lane.early.size();
-    if (visible > 0)
-        startChains(film.passes(), first);
+    // Decided by what is expected, not by what is found: a choice by the samples themselves would bias them.
+    const bool pooled = mix.uniform * mix.bVisibility >= kSmallestPool;
+    for (Lane& lane : lanes_) lane.early.clear();
+    const size_t earlySteps = pooled ? takeEarlySamples(pass, steps) : 0;
+    if (pooled)
+        startChains(pass, film.passes(), first, double(earlySteps * lanes_.size()), mix);
     else
         renewStates(pass);
     parallelFor(lanes_.size(), [&](size_t i) { runLane(lanes_[i], pass, mix, earlySteps, steps, film, filmShare); });
@@ -254,8 +257,6 @@ void McmcVcmIntegrator::uniformSample(Lane& lane, const LightPass& pass) {
 /// lane has taken; the lanes keep the visible ones until their chains come to that step.
 size_t McmcVcmIntegrator::takeEarlySamples(const LightPass& pass, size_t steps) {
     size_t taken = 0, visible = 0;
-    for (Lane& lane : lanes_) lane.early.clear();
-    if (!useUniform_) return 0;
     const size_t round = std::max<size_t>(1, kPoolSize / lanes_.size());
     while (taken < steps && visible < kPoolSize) {
         const size_t end = std::min(steps, taken + round);
@@ -274,11 +275,13 @@ size_t McmcVcmIntegrator::takeEarlySamples(const LightPass& pass, size_t steps) 
     return taken;
 }
 
-/// The eye vertices and the radius are new, and with them the targets. Visible uniform samples of this iteration follow the
-/// new visibility target exactly, and those resampled in proportion to F the new contribution target (as nearly as their
-/// number allows), so that there is no start-up phase. Going on from the last iteration's states made short chains
-/// too bright by up to 6 % (32x32 pixels): the states that the old target prefers are too small under the new one.
-void McmcVcmIntegrator::startChains(uint32_t pass, size_t first) {
+/// The eye vertices and the radius are new, and with them the targets. Chains start from visible uniform samples of this
+/// iteration: any of them for the visibility replica, chosen in proportion to F for the contribution replica, with the
+/// scales that make such a start unbiased (ReplicaMixture). Going on from the last iteration's states made short chains
+/// up to 9 % too bright (white sphere in glass, 32x32 pixels); the same start without the scales made them 1.2 % too dark where
+/// F has heavy tails (veach-mis, 64x48).
+void McmcVcmIntegrator::startChains(const LightPass& pass, uint32_t passIndex, size_t first, double taken,
+                                    ReplicaMixture& mix) {
     std::vector<const State*> pool;
     std::vector<double> sizes;
     for (const Lane& lane : lanes_)
@@ -286,8 +289,16 @@ void McmcVcmIntegrator::startChains(uint32_t pass, size_t first) {
             pool.push_back(&e.state);
             sizes.push_back(e.state.value.size);
         }
+    double sum = 0;
+    for (const double size : sizes) sum += size;
+    mix.visibilityScale = double(pool.size()) / (taken * mix.bVisibility);
+    mix.contributionScale = sum / (taken * mix.bContribution);
+    if (pool.empty()) {  // both scales are 0: what the chains find does not count
+        renewStates(pass);
+        return;
+    }
     const DiscreteDistribution bySize(sizes);
-    CounterRng rng(hashKey(options_.seed, StreamPurpose::Replacement, pass, first));
+    CounterRng rng(hashKey(options_.seed, StreamPurpose::Replacement, passIndex, first));
     const double lanes = double(lanes_.size()), offsetV = rng.nextDouble(), offsetF = rng.nextDouble();
     for (size_t i = 0; i < lanes_.size(); ++i) {
         const size_t v = std::min(pool.size() - 1, size_t((double(i) + offsetV) / lanes * double(pool.size())));
@@ -359,7 +370,7 @@ void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const Replica
                 if (lane.visibility.decide(a, lane.proposal, lane.rng)) payOut(lane.proposal, film, filmShare);
             }
             State& v = lane.visibility.state();
-            v.weight += mix.chainWeight(v.value.size);
+            v.weight += mix.visibilityWeight(v.value.size);
             if (v.value.visible()) lane.samples.addVisibility(v.value.size);
         }
         if (useContribution_) {
@@ -367,8 +378,8 @@ void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const Replica
             // follow with a delay, and b_F estimated from them would feed that back into their weight.
             ContributionChain& chain = lane.contribution;
             const double a = chain.propose(evaluateHere, lane.proposal, lane.rng);
-            lane.proposal.weight = a * mix.chainWeight(lane.proposal.value.size);
-            chain.state().weight += (1.0 - a) * mix.chainWeight(chain.state().value.size);
+            lane.proposal.weight = a * mix.contributionWeight(lane.proposal.value.size);
+            chain.state().weight += (1.0 - a) * mix.contributionWeight(chain.state().value.size);
             chain.decide(a, lane.proposal, lane.rng);
             payOut(lane.proposal, film, filmShare);  // the one of the two that the chain has left
             if (useVisibility_ && lane.visibility.state().value.visible()) {

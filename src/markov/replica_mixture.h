@@ -10,6 +10,11 @@ struct ReplicaMixture {
     double uniform = 0, visibility = 0, contribution = 0;  ///< n_U, n_V, n_F
     double bVisibility = 1, bContribution = 1;
     double inefficiency = 1;  ///< g
+    /// b_V and b_F as the pool of start states has them over those above. With chains that start from a state of the pool,
+    /// chosen in proportion to the target, E[mean of the target over the pool * h(state)] is the integral of target * h for
+    /// any h: weights with these factors have no start-up bias [Veach & Guibas 1997, section 5.1], and errors of b_V and b_F
+    /// cost efficiency only. 1 for chains in equilibrium with exact normalisations.
+    double visibilityScale = 1, contributionScale = 1;
 
     double samples() const { return uniform + visibility + contribution; }
     /// Weight of a uniform sample of this size F: 1 / (n_U + n_V / (g b_V) + n_F F / (g b_F)); 0 if it is invisible.
@@ -17,8 +22,9 @@ struct ReplicaMixture {
         if (!(size > 0)) return 0;
         return 1.0 / (uniform + (visibility / bVisibility + contribution * size / bContribution) / inefficiency);
     }
-    /// Weight of a step of either chain at a state of this size.
-    double chainWeight(double size) const { return uniformWeight(size) / inefficiency; }
+    /// Weights of a step of either chain at a state of this size.
+    double visibilityWeight(double size) const { return uniformWeight(size) * visibilityScale / inefficiency; }
+    double contributionWeight(double size) const { return uniformWeight(size) * contributionScale / inefficiency; }
     /// Density boost q of section 1: the visibility replica's density stands for both chains.
     double boost() const {
         const double chains = visibility + contribution;

@@ -118,11 +118,11 @@ class Lane {
             const double a = v_.propose(evaluate, proposal_, rng_);
             if (v_.decide(a, proposal_, rng_)) payOut(proposal_);
         }
-        v_.state().weight += mix_.chainWeight(v_.state().value.size);
+        v_.state().weight += mix_.visibilityWeight(v_.state().value.size);
 
         const double a = f_.propose(evaluate, proposal_, rng_);
-        proposal_.weight = a * mix_.chainWeight(proposal_.value.size);
-        f_.state().weight += (1 - a) * mix_.chainWeight(f_.state().value.size);
+        proposal_.weight = a * mix_.contributionWeight(proposal_.value.size);
+        f_.state().weight += (1 - a) * mix_.contributionWeight(f_.state().value.size);
         f_.decide(a, proposal_, rng_);
         payOut(proposal_);
         exchangeReplicas(v_, f_, rng_);

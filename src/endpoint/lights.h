@@ -62,6 +62,25 @@ struct EnvironmentMapParameters {
 };
 LightPtr makeEnvironmentMap(EnvironmentMapParameters parameters);
 
+/// Environment of a clear sky (Hosek & Wilkie 2012) above a black ground, and a sun's disc before it. Either
+/// may be left out: the sky by its scale, the sun by an empty profile. The sky is symmetric about the plane
+/// of zenith and sun, so that these two directions place it.
+struct SunSkyParameters {
+    Vec3f up{0, 0, 1};            ///< the zenith
+    Vec3f sunDirection{0, 0, 1};  ///< toward the sun, not below the horizon
+    float turbidity = 3;          ///< in [1, 10]
+    Rgb albedo{0.3f};             ///< of the ground, each channel in [0, 1]
+    float skyScale = 1;           ///< multiplies radiance in W / (m^2 sr nm), see HosekSky::radiance
+    /// Stretches angles from the zenith, in [1, 2]: the horizon moves to 90 degrees times this, and sky and
+    /// sun move along.
+    float stretch = 1;
+    float sunAperture = 0.5358f;  ///< the disc's angular diameter in degrees, in (0, 90)
+    /// Radiance of the disc at equal steps of area from its centre to its limb, linear between; one value is
+    /// a uniform disc.
+    std::vector<Rgb> sunProfile;
+};
+LightPtr makeSunSky(const SunSkyParameters& parameters);
+
 /// The reverse of a perspective camera: projects a texture along local +z. The irradiance on the plane z = 1
 /// is pi * scale * texture (so in Mitsuba 3).
 struct ProjectorParameters {

@@ -2,13 +2,15 @@
 #include "image/image_io.h"
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/field_of_view.h"
+#include "io/mitsuba/plugins_sunsky.h"
 
 namespace metrolux::mitsuba {
 
 namespace {
 
 const std::vector<std::string> kEmitterTypes = {"point",  "spot",      "directional", "constant",
-                                                "envmap", "projector", "collimated",  "area"};
+                                                "envmap", "projector", "collimated",  "sunsky",
+                                                "sky",    "sun",       "area"};
 
 /// Re-throws what the library says about parameters with the place in the scene.
 template <class Make>
@@ -131,6 +133,7 @@ LightPtr makeLight(const Element& element, LoadContext& context) {
     if (element.type == "envmap") make = makeEnvmap;
     if (element.type == "projector") make = makeProjectorLight;
     if (element.type == "collimated") make = makeCollimated;
+    if (element.type == "sunsky" || element.type == "sky" || element.type == "sun") make = makeSunSkyLight;
     if (element.type == "area") throw element.error("an area light has to be nested in the shape that emits");
     if (!make) {
         const std::string nearest = nearestName(element.type, kEmitterTypes);

@@ -53,6 +53,30 @@ inline EnvironmentMapParameters patchyEnvironment() {
     return p;
 }
 
+/// A tilted sky with a disc of 40 degrees that the horizon cuts, darker toward its limb.
+inline SunSkyParameters wideSun() {
+    SunSkyParameters p;
+    p.up = normalize(Vec3f(0.2f, 1, 0.3f));
+    p.sunDirection = normalize(Vec3f(1, 0.1f, 0.2f));
+    p.turbidity = 4.3f;
+    p.albedo = {0.1f, 0.4f, 0.8f};
+    p.skyScale = 20;
+    p.sunAperture = 40;
+    p.sunProfile = {{9, 8, 7}, {8, 7, 6}, {3, 2, 1}};
+    return p;
+}
+inline SunSkyParameters skyOnly() {
+    SunSkyParameters p = wideSun();
+    p.sunProfile.clear();
+    p.stretch = 1.3f;
+    return p;
+}
+inline SunSkyParameters sunOnly() {
+    SunSkyParameters p = wideSun();
+    p.skyScale = 0;
+    return p;
+}
+
 inline LightCase areaCase(const std::string& name, ShapePtr shape, TexturePtr radiance) {
     return {name, makeAreaLight({shape.get(), std::move(radiance)}), shape};
 }
@@ -81,6 +105,9 @@ inline std::vector<LightCase> allLights() {
         {"constant", makeConstantLight({{3, 2, 1}}), nullptr},
         {"environment map", makeEnvironmentMap(patchyEnvironment()), nullptr},
         {"collimated", makeCollimatedLight({tilted(), {4, 3, 2}}), nullptr},
+        {"sun and sky", makeSunSky(wideSun()), nullptr},
+        {"sky", makeSunSky(skyOnly()), nullptr},
+        {"sun", makeSunSky(sunOnly()), nullptr},
     };
     for (LightCase& c : cases) c.light->setSceneBounds(kBounds);
     return cases;

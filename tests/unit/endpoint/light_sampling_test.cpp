@@ -241,11 +241,77 @@ TEST(LightSampling, environments) {
     }
 }
 
+/// Directions by azimuth and angle from the zenith, or within the sun's cone; both ends of the ray.
+TEST(LightSampling, skyAndSun) {
+    SunSkyParameters low = test::skyOnly(), real = test::wideSun();
+    low.turbidity = 2;
+    low.stretch = 1;
+    real.sunDirection = normalize(Vec3f(1, 1.5f, 0.2f));
+    real.sunAperture = 0.5358f;
+    SunSkyParameters realSun = real;
+    realSun.skyScale = 0;
+    const auto both = [](const LightPtr& light, const std::function<Vec2f(const Vec3f&)>& toSquare,
+                         const std::function<Vec3f(const Vec2f&)>& toDirection,
+                         const std::function<double(const Vec2f&)>& jacobian) {
+        light->setSceneBounds(kBounds);
+        const Vec3f x(0.3f, 0.1f, 0.2f);
+        for (const bool connect : {true, false}) {
+            chiSquare(
+                [&](CounterRng& rng) -> std::optional<Vec2f> {
+                    const Vec2f u = rng.next2D();
+                    if (connect) {
+                        const auto e = light->connect(x, u);
+                        if (!e) return std::nullopt;
+                        return toSquare(e->wi);
+                    }
+                    const auto ray = light->sampleRay(rng.next2D(), u);
+                    if (!ray) return std::nullopt;
+                    return toSquare(-ray->direction);
+                },
+                [&](const Vec2f& q) {
+                    const Vec3f w = toDirection(q);
+                    if (isBlack(light->environmentRadiance(w))) return 0.0;
+                    const EndpointDensities d = light->environmentDensities(x, w);
+                    return double(connect ? d.connect : d.pdfDirection) * jacobian(q);
+                },
+                connect ? 310 : 311, {.width = 32, .height = 16, .quadrature = 16});
+        }
+    };
+    for (const SunSkyParameters& p : {low, test::skyOnly(), test::wideSun()}) {
+        const Frame axes = Frame::fromNormal(p.up);
+        const double size = std::numbers::pi / 2 * p.stretch;  // the table's cells are thin bands of theta
+        both(
+            makeSunSky(p),
+            [&](const Vec3f& w) {
+                const Vec3f d = axes.toLocal(w);
+                return Vec2f(turn(d.y, d.x), std::min(static_cast<float>(std::acos(d.z) / size), 1.0f));
+            },
+            [&](const Vec2f& q) {
+                const double theta = size * q.y, phi = 2 * std::numbers::pi * q.x, r = std::sin(theta);
+                return axes.toWorld({static_cast<float>(r * std::cos(phi)),
+                                     static_cast<float>(r * std::sin(phi)),
+                                     static_cast<float>(std::cos(theta))});
+            },
+            [&](const Vec2f& q) { return 2 * std::numbers::pi * size * std::sin(size * q.y); });
+    }
+    const ConeMap cone{Frame::fromNormal(realSun.sunDirection),
+                       2 * sqr(std::sin(radians(realSun.sunAperture) / 4))};
+    both(
+        makeSunSky(realSun), [&](const Vec3f& w) { return cone.fromDirection(w); },
+        [&](const Vec2f& q) {
+            const float gap = q.y * cone.oneMinusCos, r = std::sqrt(gap * (2 - gap));
+            return normalize(
+                cone.axes.toWorld({r * std::cos(kTwoPi * q.x), r * std::sin(kTwoPi * q.x), 1 - gap}));
+        },
+        [&](const Vec2f&) { return cone.solidAngle(); });
+}
+
 TEST(LightSampling, raysOfInfiniteLightsCoverTheScene) {
+    const LightPtr sunSky = makeSunSky(test::wideSun());
     const LightPtr directional = makeDirectionalLight({{0.3f, -2, 0.5f}, Rgb(1.0f)});
     const LightPtr environment = makeEnvironmentMap(test::patchyEnvironment());
     const LightPtr constant = makeConstantLight({Rgb(1.0f)});
-    for (const LightPtr& light : {directional, constant, environment}) {
+    for (const LightPtr& light : {directional, constant, environment, sunSky}) {
         light->setSceneBounds(kBounds);
         const float diskArea = kPi * sqr(kBounds.radius);
         // (share of the disk's area, turn) around the ray's direction.

@@ -146,7 +146,7 @@ TEST(EmitterPlugins, errorsNameThePlace) {
                 HasSubstr("scene.xml:"));
     LoadContext lenient;
     lenient.lenient = true;
-    EXPECT_EQ(makeLight(*emitter("sunsky").element, lenient), nullptr);
+    EXPECT_EQ(makeLight(*emitter("directionalarea").element, lenient), nullptr);
     EXPECT_EQ(lenient.warnings.size(), 1u);
 }
 

@@ -141,10 +141,10 @@ TEST(Loader, LenienceTurnsUnknownNamesIntoWarnings) {
     LoadOptions options;
     options.lenient = true;
     const SceneParts parts = load(kSensor + kLight + R"(<integrator type="magic"/><bsdf type="velvet" id="v"/>
-        <emitter type="sunsky"/><film type="hdrfilm"/><float name="gain" value="1"/>
+        <emitter type="aurora"/><film type="hdrfilm"/><float name="gain" value="1"/>
         <shape type="sphere"><ref id="v"/><float name="radios" value="3"/></shape>)",
                                   options);
-    for (const char* name : {"magic", "velvet", "sunsky", "film", "gain", "radios"})
+    for (const char* name : {"magic", "velvet", "aurora", "film", "gain", "radios"})
         EXPECT_THAT(parts.warnings, Contains(AllOf(HasSubstr("scene.xml:"), HasSubstr(name)))) << name;
     EXPECT_EQ(parts.shapes.size(), 1u);
     EXPECT_EQ(parts.integrator, "path");

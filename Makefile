@@ -3,7 +3,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 BUILD := build
 PACKAGES := $(shell cat packages.txt)
 
-.PHONY: demo test test-long setup build debug-test gallery format tidy clean
+.PHONY: demo test setup build debug-test gallery format tidy clean
 
 setup:
 	@dpkg-query -W -f='$${Status}\n' $(PACKAGES) 2>/dev/null | grep -c '^install ok installed$$' | \
@@ -18,11 +18,7 @@ demo: build
 	$(BUILD)/metrolux render scenes/door-ajar/scene.xml --time 60s -o demo.exr -o demo.png
 
 test: build
-	ctest --preset release -j 2 -LE 'agreement|conformance'
-
-# Agreement of the integrators on every scene, and Mitsuba's own render tests: tens of minutes.
-test-long: build
-	ctest --preset release -L 'agreement|conformance'
+	ctest --preset release -j 2
 
 debug-test: setup
 	cmake --preset debug

@@ -9,7 +9,8 @@ DiscreteDistribution::DiscreteDistribution(std::span<const double> weights) {
     cdf_.push_back(0);
     double sum = 0;
     for (const double w : weights) {
-        if (!(w >= 0) || !std::isfinite(w)) throw Error("distribution: weight {} is negative or not finite", w);
+        if (!(w >= 0) || !std::isfinite(w))
+            throw Error("distribution: weight {} is negative or not finite", w);
         sum += w;
         cdf_.push_back(sum);
     }
@@ -42,7 +43,8 @@ Distribution2D::Distribution2D(std::span<const float> values, int width, int hei
         }
         const double sum = row[width];
         for (int x = 0; x <= width; ++x)
-            cdf_[size_t(y) * (width + 1) + x] = static_cast<float>(sum > 0 ? row[x] / sum : double(x) / width);
+            cdf_[size_t(y) * (width + 1) + x] =
+                static_cast<float>(sum > 0 ? row[x] / sum : double(x) / width);
         total += sum;
         rowCdf_[y + 1] = total;
     }
@@ -57,8 +59,8 @@ int cellOf(float coordinate, int cells) {
     return std::clamp(static_cast<int>(coordinate * static_cast<float>(cells)), 0, cells - 1);
 }
 
-/// A coordinate of the unit interval that cellOf() finds in `cell`: rounding may not move it to a neighbour, whose density
-/// is another one.
+/// A coordinate of the unit interval that cellOf() finds in `cell`: rounding may not move it to a neighbour,
+/// whose density is another one.
 float coordinateIn(int cell, float fraction, int cells) {
     float x = std::min(static_cast<float>((cell + double(fraction)) / cells), kOneMinusEpsilon);
     while (cellOf(x, cells) > cell) x = std::nextafter(x, 0.0f);

@@ -1,8 +1,8 @@
 #pragma once
+#include "base/math.h"
+
 #include <span>
 #include <vector>
-
-#include "base/math.h"
 
 namespace metrolux {
 
@@ -10,7 +10,8 @@ namespace metrolux {
 class DiscreteDistribution {
   public:
     DiscreteDistribution() = default;
-    /// Weights must be finite and not negative (throws Error otherwise). If all are zero the distribution is empty.
+    /// Weights must be finite and not negative (throws Error otherwise). If all are zero the distribution is
+    /// empty.
     explicit DiscreteDistribution(std::span<const double> weights);
     bool empty() const { return !(sum_ > 0); }
     size_t size() const { return cdf_.empty() ? 0 : cdf_.size() - 1; }

@@ -6,8 +6,8 @@
 
 namespace metrolux {
 
-/// Something that the user gave cannot be used. The message names the file, the line or element, what was found
-/// and what was expected; the command prints it and exits with status 2.
+/// Something that the user gave cannot be used. The message names the file, the line or element, what was
+/// found and what was expected; the command prints it and exits with status 2.
 class Error : public std::runtime_error {
   public:
     explicit Error(const std::string& message) : std::runtime_error(message) {}

@@ -43,7 +43,9 @@ inline float maxComponent(const Rgb& c) { return std::max({c.x, c.y, c.z}); }
 inline float average(const Rgb& c) { return (c.x + c.y + c.z) * (1.0f / 3.0f); }
 inline bool isBlack(const Rgb& c) { return c.x == 0 && c.y == 0 && c.z == 0; }
 inline bool isFinite(const Rgb& c) { return std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z); }
-inline bool isFinite(const Vec3f& c) { return std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z); }
+inline bool isFinite(const Vec3f& c) {
+    return std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z);
+}
 inline Rgb lerp(float t, const Rgb& a, const Rgb& b) { return a * (1.0f - t) + b * t; }
 
 /// A half-line; `direction` is of unit length, so that `tMax` is a distance.

@@ -1,7 +1,7 @@
 #pragma once
-#include <cstdint>
-
 #include "base/math.h"
+
+#include <cstdint>
 
 namespace metrolux {
 

@@ -85,12 +85,14 @@ Transform Transform::translate(const Vec3f& offset) {
 }
 
 Transform Transform::scale(const Vec3f& factors) {
-    const double rows[4][4] = {{factors.x, 0, 0, 0}, {0, factors.y, 0, 0}, {0, 0, factors.z, 0}, {0, 0, 0, 1}};
+    const double rows[4][4] = {
+        {factors.x, 0, 0, 0}, {0, factors.y, 0, 0}, {0, 0, factors.z, 0}, {0, 0, 0, 1}};
     return fromRows(rows);
 }
 
 Transform Transform::rotate(const Vec3f& axis, double degrees) {
-    const double length = std::sqrt(double(axis.x) * axis.x + double(axis.y) * axis.y + double(axis.z) * axis.z);
+    const double length =
+        std::sqrt(double(axis.x) * axis.x + double(axis.y) * axis.y + double(axis.z) * axis.z);
     if (!(length > 0)) throw Error("rotation around an axis of zero length");
     const double x = axis.x / length, y = axis.y / length, z = axis.z / length;
     const double angle = degrees * (std::numbers::pi / 180.0);

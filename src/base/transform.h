@@ -1,7 +1,7 @@
 #pragma once
-#include <Imath/ImathMatrix.h>
-
 #include "base/math.h"
+
+#include <Imath/ImathMatrix.h>
 
 namespace metrolux {
 

@@ -10,10 +10,12 @@ PixelPartition::PixelPartition(const FilmWindow& window, const IntegratorOptions
     const std::vector<uint32_t> order = hilbertOrder(window.width, window.height);
     if (options.memoryBytes > 0) {
         // Vertices are copied once while they are gathered; grid entries and bucket starts come on top.
-        const double verticesPerSubpath = options.limits.maxDepth < 0 ? 8 : std::clamp(options.limits.maxDepth, 1, 8);
+        const double verticesPerSubpath =
+            options.limits.maxDepth < 0 ? 8 : std::clamp(options.limits.maxDepth, 1, 8);
         const double bytesPerPixel = verticesPerSubpath * (2.0 * sizeof(Vertex) + 32);
-        parts_ = static_cast<int>(std::clamp(std::ceil(bytesPerPixel * double(order.size()) / double(options.memoryBytes)),
-                                             1.0, double(order.size())));
+        parts_ = static_cast<int>(
+            std::clamp(std::ceil(bytesPerPixel * double(order.size()) / double(options.memoryBytes)), 1.0,
+                       double(order.size())));
     }
     pixels_.reserve(order.size());
     for (int part = 0; part < parts_; ++part) {
@@ -52,8 +54,8 @@ double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options
         stream.seek(0);
         const Vec2f u = stream.next2D();
         FirstSmooth visitor;
-        traceEyeSubpath(scene, stream, options.limits, Strategies::path(), Vec2f(w.x + u.x * w.width, w.y + u.y * w.height),
-                        1, 0, visitor);
+        traceEyeSubpath(scene, stream, options.limits, Strategies::path(),
+                        Vec2f(w.x + u.x * w.width, w.y + u.y * w.height), 1, 0, visitor);
         if (!visitor.found) continue;
         sum += scene.camera().pixelFootprint(static_cast<float>(visitor.travelled));
         ++count;
@@ -65,8 +67,8 @@ uint64_t lightSubpathKey(uint64_t seed, uint32_t passIndex, size_t index) {
     return hashKey(seed, StreamPurpose::LightSubpath, passIndex, index);
 }
 
-void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t passIndex, size_t first, size_t count,
-                    double filmShare, std::vector<double>* sizes, PhotonDensity* counted) {
+void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t passIndex, size_t first,
+                    size_t count, double filmShare, std::vector<double>* sizes, PhotonDensity* counted) {
     constexpr size_t kChunk = 256;
     const double scale = 1.0 / double(count);
     if (sizes) sizes->assign(count, 0);

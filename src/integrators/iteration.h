@@ -1,17 +1,18 @@
 #pragma once
-/// What the pass-based integrators share: which pixels an iteration covers, the merging radius, plain light passes.
-
-#include <span>
-#include <vector>
+/// What the pass-based integrators share: which pixels an iteration covers, the merging radius, plain light
+/// passes.
 
 #include "integrators/integrator.h"
 #include "transport/eye_pass.h"
 #include "transport/light_pass.h"
 
+#include <span>
+#include <vector>
+
 namespace metrolux {
 
-/// Splits a pass into iterations whose stored eye vertices fit the memory bound. Each iteration covers a stratified part
-/// of the pixels, in the order of a Hilbert curve; together they cover every pixel once.
+/// Splits a pass into iterations whose stored eye vertices fit the memory bound. Each iteration covers a
+/// stratified part of the pixels, in the order of a Hilbert curve; together they cover every pixel once.
 class PixelPartition {
   public:
     PixelPartition(const FilmWindow& window, const IntegratorOptions& options);
@@ -43,15 +44,17 @@ class RadiusSchedule {
 /// Edge of a PhotonDensity's cell in first merging radii: a compromise of noise and detail.
 inline constexpr double kPhotonCell = 8;
 
-/// First merging radius: a multiple of the mean width of a pixel's footprint on the surfaces that the camera sees
-/// (through mirrors and glass, at the first smooth surface). Falls back to a fraction of the scene if it sees none.
+/// First merging radius: a multiple of the mean width of a pixel's footprint on the surfaces that the camera
+/// sees (through mirrors and glass, at the first smooth surface). Falls back to a fraction of the scene if it
+/// sees none.
 double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options);
 
 /// Traces `count` independent light subpaths (indices `first` ...) and adds them to the film, averaged over
-/// `count`; film splats are scaled by `filmShare` besides (the part of the pass that this iteration stands for).
-/// `sizes`, if given, receives F of each light subpath; their vertices are `counted`.
-void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t passIndex, size_t first, size_t count,
-                    double filmShare, std::vector<double>* sizes = nullptr, PhotonDensity* counted = nullptr);
+/// `count`; film splats are scaled by `filmShare` besides (the part of the pass that this iteration stands
+/// for). `sizes`, if given, receives F of each light subpath; their vertices are `counted`.
+void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t passIndex, size_t first,
+                    size_t count, double filmShare, std::vector<double>* sizes = nullptr,
+                    PhotonDensity* counted = nullptr);
 
 /// Key of the stream of light subpath `index` of a plain pass.
 uint64_t lightSubpathKey(uint64_t seed, uint32_t passIndex, size_t index);

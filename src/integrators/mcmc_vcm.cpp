@@ -1,10 +1,5 @@
 #include "integrators/mcmc_vcm.h"
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
-#include <optional>
-
 #include "base/error.h"
 #include "base/parallel.h"
 #include "integrators/iteration.h"
@@ -12,6 +7,11 @@
 #include "markov/normalisation.h"
 #include "markov/replica_mixture.h"
 #include "sampling/streams.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <optional>
 
 namespace metrolux {
 
@@ -33,14 +33,16 @@ using State = MarkovState<Contribution>;
 using VisibilityChain = MarkovChain<Contribution, VisibilityTarget>;
 using ContributionChain = MarkovChain<Contribution, ContributionTarget>;
 
-/// Visible states that an iteration's chains are chosen from, at most. Their mean F enters the image as a factor.
+/// Visible states that an iteration's chains are chosen from, at most. Their mean F enters the image as a
+/// factor.
 constexpr size_t kPoolSize = 16384;
 /// With fewer visible uniform samples expected in an iteration, chains go on from the last one's states.
 constexpr double kSmallestPool = 4;
 /// Visible uniform samples that b_V is to rest on.
 constexpr double kVisibleSamples = 256;
 
-/// One independent set of the three replicas, with its own adaptation and random numbers. Lives across iterations.
+/// One independent set of the three replicas, with its own adaptation and random numbers. Lives across
+/// iterations.
 struct Lane {
     Lane(uint64_t seed, int index, MutationKernel::Kind kind)
         : rng(hashKey(seed, StreamPurpose::Chain, index)),
@@ -56,8 +58,9 @@ struct Lane {
         State state;
     };
     std::vector<Early> early;
-    PrimarySample lastVisible;  ///< the last visible uniform sample: replaces a chain's state that became invisible
-    State uniform, proposal;    ///< kept for their memory
+    PrimarySample
+        lastVisible;  ///< the last visible uniform sample: replaces a chain's state that became invisible
+    State uniform, proposal;  ///< kept for their memory
     uint64_t seeded = 0, swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
     Normalisation::Samples samples;
 };
@@ -71,13 +74,15 @@ class McmcVcmIntegrator final : public Integrator {
           radius_(projectedPixelRadius(scene, options), options.radiusAlpha) {
         for (const char c : options.replicas)
             if (c != 'u' && c != 'v' && c != 'f')
-                throw Error("replicas: found '{}', expected a combination of the letters u, v, f", options.replicas);
+                throw Error("replicas: found '{}', expected a combination of the letters u, v, f",
+                            options.replicas);
         useUniform_ = options.replicas.find('u') != std::string::npos;
         useVisibility_ = options.replicas.find('v') != std::string::npos;
         useContribution_ = options.replicas.find('f') != std::string::npos;
         if (!useUniform_ && !useVisibility_ && !useContribution_)
             throw Error("replicas: found nothing, expected a combination of the letters u, v, f");
-        const auto kind = options.adaptiveKernel ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
+        const auto kind =
+            options.adaptiveKernel ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
         if (options.correlationAware) photons_.emplace(kPhotonCell * radius_.radius());
         for (int i = 0; i < laneCount(); ++i) lanes_.emplace_back(options.seed, i, kind);
     }
@@ -96,8 +101,8 @@ class McmcVcmIntegrator final : public Integrator {
     std::string progressNote() const override;
 
   private:
-    /// A fixed number that depends on the image only: chains that are long enough in an iteration to follow its targets,
-    /// and enough of them for many threads.
+    /// A fixed number that depends on the image only: chains that are long enough in an iteration to follow
+    /// its targets, and enough of them for many threads.
     int laneCount() const {
         constexpr int kStepsPerIteration = 1024, kFewest = 8, kMost = 64;
         if (options_.lanes > 0) return options_.lanes;
@@ -109,11 +114,12 @@ class McmcVcmIntegrator final : public Integrator {
     ReplicaMixture mixture(size_t samples) const;
     void collectSamples();
     void seedChains(uint32_t pass, size_t first, const std::vector<double>& sizes);
-    void runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t earlySteps, size_t steps, Film& film,
-                 double filmShare);
+    void runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t earlySteps,
+                 size_t steps, Film& film, double filmShare);
     void uniformSample(Lane& lane, const LightPass& pass);
     size_t takeEarlySamples(const LightPass& pass, size_t steps);
-    void startChains(const LightPass& pass, uint32_t passIndex, size_t first, double taken, ReplicaMixture& mix);
+    void startChains(const LightPass& pass, uint32_t passIndex, size_t first, double taken,
+                     ReplicaMixture& mix);
     void renewStates(const LightPass& pass);
     static void evaluate(const LightPass& pass, SampleStream& stream, Contribution& c) {
         pass.evaluate(stream, c.splats);
@@ -163,8 +169,8 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
     normalisation_.update(r * r);
     ReplicaMixture mix = mixture(pixels.size());
     const double lambda = mix.samples() * mix.boost() / n;
-    const Strategies strategies = Strategies::bidirectional(lambda, n * std::numbers::pi * r * r,
-                                                             photons_ ? &*photons_ : nullptr);
+    const Strategies strategies =
+        Strategies::bidirectional(lambda, n * std::numbers::pi * r * r, photons_ ? &*photons_ : nullptr);
     const double filmShare = n / film.pixelCount();
 
     EyePass{scene_, options_.limits, strategies, options_.seed, film.passes()}.run(pixels, film, eyes_);
@@ -180,18 +186,21 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
         const size_t lanes = lanes_.size();
         for (size_t i = 0; i < sizes.size(); ++i) lanes_[i % lanes].samples.addUniform(sizes[i]);
         collectSamples();
-        // b_V from a handful of samples is biased, and q and the weights with it: uniform passes go on until it is known to
-        // a sixteenth. (Mitsuba's roughdielectric sphere, 48x48, b_V = 1e-4: 4 to 10 % too dark after 64 passes before.)
+        // b_V from a handful of samples is biased, and q and the weights with it: uniform passes go on until
+        // it is known to a sixteenth. (Mitsuba's roughdielectric sphere, 48x48, b_V = 1e-4: 4 to 10 % too
+        // dark after 64 passes before.)
         if (normalisation_.visibleSamples() < kVisibleSamples) return;
-        // The first passes that see light make q known. The next are made of uniform samples too, with the weights of q: those
-        // of q = 1 make another F, whose b_F can be wrong by a factor of two or more for the chains.
+        // The first passes that see light make q known. The next are made of uniform samples too, with the
+        // weights of q: those of q = 1 make another F, whose b_F can be wrong by a factor of two or more for
+        // the chains.
         const bool calibrated = chainsSeeded_;
         seedChains(film.passes(), first, sizes);
         if (chainsSeeded_ && !calibrated) normalisation_.forgetSizes();
         chainsReady_ = calibrated;
         return;
     }
-    const size_t steps = static_cast<size_t>(std::max({mix.uniform, mix.visibility, mix.contribution})) / lanes_.size();
+    const size_t steps =
+        static_cast<size_t>(std::max({mix.uniform, mix.visibility, mix.contribution})) / lanes_.size();
     // Decided by what is expected, not by what is found: a choice by the samples themselves would bias them.
     const bool pooled = mix.uniform * mix.bVisibility >= kSmallestPool;
     for (Lane& lane : lanes_) lane.early.clear();
@@ -200,7 +209,8 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
         startChains(pass, film.passes(), first, double(earlySteps * lanes_.size()), mix);
     else
         renewStates(pass);
-    parallelFor(lanes_.size(), [&](size_t i) { runLane(lanes_[i], pass, mix, earlySteps, steps, film, filmShare); });
+    parallelFor(lanes_.size(),
+                [&](size_t i) { runLane(lanes_[i], pass, mix, earlySteps, steps, film, filmShare); });
     if (photons_ && useUniform_) photons_->endIteration(mix.uniform);
     collectSamples();
 }
@@ -220,8 +230,8 @@ void McmcVcmIntegrator::seedChains(uint32_t pass, size_t first, const std::vecto
     if (byVisibility.empty()) return;
 
     CounterRng rng(hashKey(options_.seed, StreamPurpose::Seeding, pass));
-    // A state is regenerated from the counter-based stream that made its value. Its coordinates are all those that
-    // the evaluation may have asked for; more are appended when they are needed.
+    // A state is regenerated from the counter-based stream that made its value. Its coordinates are all those
+    // that the evaluation may have asked for; more are appended when they are needed.
     const auto regenerate = [&](size_t index, PrimarySample& u) {
         IndependentStream stream(lightSubpathKey(options_.seed, pass, first + index));
         const int depth = options_.limits.maxDepth < 0 ? 32 : std::min(options_.limits.maxDepth, 32);
@@ -253,8 +263,8 @@ void McmcVcmIntegrator::uniformSample(Lane& lane, const LightPass& pass) {
     if (u.value.visible()) lane.lastVisible = u.u;
 }
 
-/// Takes the first of the iteration's uniform samples, until enough are visible to start the chains from. Returns how many a
-/// lane has taken; the lanes keep the visible ones until their chains come to that step.
+/// Takes the first of the iteration's uniform samples, until enough are visible to start the chains from.
+/// Returns how many a lane has taken; the lanes keep the visible ones until their chains come to that step.
 size_t McmcVcmIntegrator::takeEarlySamples(const LightPass& pass, size_t steps) {
     size_t taken = 0, visible = 0;
     const size_t round = std::max<size_t>(1, kPoolSize / lanes_.size());
@@ -275,11 +285,11 @@ size_t McmcVcmIntegrator::takeEarlySamples(const LightPass& pass, size_t steps) 
     return taken;
 }
 
-/// The eye vertices and the radius are new, and with them the targets. Chains start from visible uniform samples of this
-/// iteration: any of them for the visibility replica, chosen in proportion to F for the contribution replica, with the
-/// scales that make such a start unbiased (ReplicaMixture). Going on from the last iteration's states made short chains
-/// up to 9 % too bright (white sphere in glass, 32x32 pixels); the same start without the scales made them 1.2 % too dark where
-/// F has heavy tails (veach-mis, 64x48).
+/// The eye vertices and the radius are new, and with them the targets. Chains start from visible uniform
+/// samples of this iteration: any of them for the visibility replica, chosen in proportion to F for the
+/// contribution replica, with the scales that make such a start unbiased (ReplicaMixture). Going on from the
+/// last iteration's states made short chains up to 9 % too bright (white sphere in glass, 32x32 pixels); the
+/// same start without the scales made them 1.2 % too dark where F has heavy tails (veach-mis, 64x48).
 void McmcVcmIntegrator::startChains(const LightPass& pass, uint32_t passIndex, size_t first, double taken,
                                     ReplicaMixture& mix) {
     std::vector<const State*> pool;
@@ -301,7 +311,8 @@ void McmcVcmIntegrator::startChains(const LightPass& pass, uint32_t passIndex, s
     CounterRng rng(hashKey(options_.seed, StreamPurpose::Replacement, passIndex, first));
     const double lanes = double(lanes_.size()), offsetV = rng.nextDouble(), offsetF = rng.nextDouble();
     for (size_t i = 0; i < lanes_.size(); ++i) {
-        const size_t v = std::min(pool.size() - 1, size_t((double(i) + offsetV) / lanes * double(pool.size())));
+        const size_t v =
+            std::min(pool.size() - 1, size_t((double(i) + offsetV) / lanes * double(pool.size())));
         float u = std::min(static_cast<float>((double(i) + offsetF) / lanes), kOneMinusEpsilon);
         lanes_[i].visibility.state() = *pool[v];
         lanes_[i].contribution.state() = *pool[bySize.sample(u)];
@@ -309,10 +320,11 @@ void McmcVcmIntegrator::startChains(const LightPass& pass, uint32_t passIndex, s
 }
 
 void McmcVcmIntegrator::renewStates(const LightPass& pass) {
-    // Light is too rare for startChains(): chains keep what they have found. Every state is evaluated again; one that has
-    // become invisible is replaced by a visible uniform sample: the last one that the lane has seen, or a fresh one.
-    // Resampling the lanes by new / old target was tried: it cannot reach what was invisible before, so that short chains
-    // gathered where light is always visible and b_F ran away (door-ajar, +30 %).
+    // Light is too rare for startChains(): chains keep what they have found. Every state is evaluated again;
+    // one that has become invisible is replaced by a visible uniform sample: the last one that the lane has
+    // seen, or a fresh one. Resampling the lanes by new / old target was tried: it cannot reach what was
+    // invisible before, so that short chains gathered where light is always visible and b_F ran away
+    // (door-ajar, +30 %).
     constexpr int kFreshTries = 64;
     parallelFor(lanes_.size(), [&](size_t i) {
         Lane& lane = lanes_[i];
@@ -336,8 +348,8 @@ void McmcVcmIntegrator::renewStates(const LightPass& pass) {
     });
 }
 
-void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix, size_t earlySteps,
-                                size_t steps, Film& film, double filmShare) {
+void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const ReplicaMixture& mix,
+                                size_t earlySteps, size_t steps, Film& film, double filmShare) {
     const auto evaluateHere = [&](SampleStream& stream, Contribution& c) { evaluate(pass, stream, c); };
     auto nextEarly = lane.early.begin();
     for (size_t step = 0; step < steps; ++step) {
@@ -367,15 +379,17 @@ void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const Replica
         if (useVisibility_) {
             if (!fresh) {
                 const double a = lane.visibility.propose(evaluateHere, lane.proposal, lane.rng);
-                if (lane.visibility.decide(a, lane.proposal, lane.rng)) payOut(lane.proposal, film, filmShare);
+                if (lane.visibility.decide(a, lane.proposal, lane.rng))
+                    payOut(lane.proposal, film, filmShare);
             }
             State& v = lane.visibility.state();
             v.weight += mix.visibilityWeight(v.value.size);
             if (v.value.visible()) lane.samples.addVisibility(v.value.size);
         }
         if (useContribution_) {
-            // These samples do not enter the normalisations: each iteration has a target of its own, which short chains
-            // follow with a delay, and b_F estimated from them would feed that back into their weight.
+            // These samples do not enter the normalisations: each iteration has a target of its own, which
+            // short chains follow with a delay, and b_F estimated from them would feed that back into their
+            // weight.
             ContributionChain& chain = lane.contribution;
             const double a = chain.propose(evaluateHere, lane.proposal, lane.rng);
             lane.proposal.weight = a * mix.contributionWeight(lane.proposal.value.size);
@@ -413,25 +427,30 @@ nlohmann::json McmcVcmIntegrator::statistics() const {
         if (std::isfinite(e.standardError)) j["standard_error"] = e.standardError;
         return j;
     };
-    return {{"radius", radius_.radius()},
-            {"parts", partition_.parts()},
-            {"bytes_per_vertex", sizeof(Vertex)},
-            {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes()},
-            {"lanes", lanes_.size()},
-            {"replicas", options_.replicas},
-            {"chain_inefficiency", options_.chainInefficiency},
-            {"kernel", options_.adaptiveKernel ? "adaptive" : "kelemen"},
-            {"b_v", estimate(normalisation_.visibilityEstimate())},
-            {"b_f", estimate(normalisation_.contributionEstimate())},
-            {"visibility_chain",
-             {{"tried", tried[0]}, {"accepted", accepted[0]}, {"acceptance", share(accepted[0], tried[0])},
-              {"theta_mean", theta[0]}}},
-            {"contribution_chain",
-             {{"tried", tried[1]}, {"accepted", accepted[1]}, {"acceptance", share(accepted[1], tried[1])},
-              {"theta_mean", theta[1]}}},
-            {"exchange_visibility_contribution", {{"tried", swapsTried}, {"rate", share(swapsMade, swapsTried)}}},
-            {"exchange_uniform_visibility", uniformSwaps},
-            {"states_replaced", replaced}};
+    return {
+        {"radius", radius_.radius()},
+        {"parts", partition_.parts()},
+        {"bytes_per_vertex", sizeof(Vertex)},
+        {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes()},
+        {"lanes", lanes_.size()},
+        {"replicas", options_.replicas},
+        {"chain_inefficiency", options_.chainInefficiency},
+        {"kernel", options_.adaptiveKernel ? "adaptive" : "kelemen"},
+        {"b_v", estimate(normalisation_.visibilityEstimate())},
+        {"b_f", estimate(normalisation_.contributionEstimate())},
+        {"visibility_chain",
+         {{"tried", tried[0]},
+          {"accepted", accepted[0]},
+          {"acceptance", share(accepted[0], tried[0])},
+          {"theta_mean", theta[0]}}},
+        {"contribution_chain",
+         {{"tried", tried[1]},
+          {"accepted", accepted[1]},
+          {"acceptance", share(accepted[1], tried[1])},
+          {"theta_mean", theta[1]}}},
+        {"exchange_visibility_contribution", {{"tried", swapsTried}, {"rate", share(swapsMade, swapsTried)}}},
+        {"exchange_uniform_visibility", uniformSwaps},
+        {"states_replaced", replaced}};
 }
 
 std::string McmcVcmIntegrator::progressNote() const {

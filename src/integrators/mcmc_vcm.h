@@ -3,8 +3,8 @@
 
 namespace metrolux {
 
-/// Vertex connection and merging whose light subpaths come from Markov chains (Sik, Otsu, Hachisuka, Krivanek 2016;
-/// ALGORITHM.md section 3). Eye subpaths are stratified Monte Carlo.
+/// Vertex connection and merging whose light subpaths come from Markov chains (Sik, Otsu, Hachisuka, Krivanek
+/// 2016; ALGORITHM.md section 3). Eye subpaths are stratified Monte Carlo.
 std::unique_ptr<Integrator> makeMcmcVcmIntegrator(const Scene& scene, const IntegratorOptions& options);
 
 }  // namespace metrolux

@@ -1,8 +1,8 @@
 #include "integrators/path.h"
 
-#include <nlohmann/json.hpp>
-
 #include "integrators/iteration.h"
+
+#include <nlohmann/json.hpp>
 
 namespace metrolux {
 
@@ -12,7 +12,9 @@ namespace {
 class PathIntegrator final : public Integrator {
   public:
     PathIntegrator(const Scene& scene, const IntegratorOptions& options)
-        : scene_(scene), options_(options), pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
+        : scene_(scene),
+          options_(options),
+          pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
 
     void renderPass(Film& film) override {
         const Strategies strategies = Strategies::path();
@@ -33,7 +35,9 @@ class PathIntegrator final : public Integrator {
 class LightIntegrator final : public Integrator {
   public:
     LightIntegrator(const Scene& scene, const IntegratorOptions& options)
-        : scene_(scene), options_(options), pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
+        : scene_(scene),
+          options_(options),
+          pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
 
     void renderPass(Film& film) override {
         const Strategies strategies = Strategies::bidirectional(1, 0);

@@ -1,11 +1,11 @@
-#include <functional>
-
 #include "base/error.h"
 #include "base/suggest.h"
 #include "integrators/integrator.h"
 #include "integrators/mcmc_vcm.h"
 #include "integrators/path.h"
 #include "integrators/vcm.h"
+
+#include <functional>
 
 namespace metrolux {
 
@@ -18,7 +18,8 @@ struct Entry {
 };
 
 constexpr Entry kIntegrators[] = {
-    {"mcmc_vcm", "VCM whose light subpaths come from Markov chains (default; robust on hard light)", makeMcmcVcmIntegrator},
+    {"mcmc_vcm", "VCM whose light subpaths come from Markov chains (default; robust on hard light)",
+     makeMcmcVcmIntegrator},
     {"vcm", "vertex connection and merging, independent light subpaths", makeVcmIntegrator},
     {"bdpt", "bidirectional path tracing", makeBdptIntegrator},
     {"path", "path tracing with next-event estimation", makePathIntegrator},
@@ -41,8 +42,8 @@ std::unique_ptr<Integrator> makeIntegrator(const std::string& name, const Scene&
         names.emplace_back(e.name);
     }
     const std::string near = nearestName(name, names);
-    throw Error("unknown integrator '{}'{}; known: {}", name, near.empty() ? "" : fmt::format(", did you mean '{}'?", near),
-                fmt::join(names, ", "));
+    throw Error("unknown integrator '{}'{}; known: {}", name,
+                near.empty() ? "" : fmt::format(", did you mean '{}'?", near), fmt::join(names, ", "));
 }
 
 }  // namespace metrolux

@@ -1,10 +1,10 @@
 #include "integrators/vcm.h"
 
+#include "integrators/iteration.h"
+
 #include <nlohmann/json.hpp>
 
 #include <optional>
-
-#include "integrators/iteration.h"
 
 namespace metrolux {
 
@@ -26,15 +26,16 @@ class VcmIntegrator final : public Integrator {
         for (int part = 0; part < partition_.parts(); ++part) {
             const std::span<const uint32_t> pixels = partition_.pixels(part);
             const double n = double(pixels.size()), r = radius_.radius();
-            const Strategies strategies = Strategies::bidirectional(1, merge_ ? n * std::numbers::pi * r * r : 0,
-                                                                     photons_ ? &*photons_ : nullptr);
-            EyePass{scene_, options_.limits, strategies, options_.seed, film.passes()}.run(pixels, film, eyes_);
+            const Strategies strategies = Strategies::bidirectional(
+                1, merge_ ? n * std::numbers::pi * r * r : 0, photons_ ? &*photons_ : nullptr);
+            EyePass{scene_, options_.limits, strategies, options_.seed, film.passes()}.run(pixels, film,
+                                                                                           eyes_);
             if (merge_) grid_.build(eyes_.all(), static_cast<float>(r));
 
             LightPass pass{scene_, options_.limits, strategies, eyes_, grid_, film};
             pass.merge = merge_;
-            plainLightPass(pass, film, options_.seed, film.passes(), first, pixels.size(), n / film.pixelCount(),
-                           nullptr, photons_ ? &*photons_ : nullptr);
+            plainLightPass(pass, film, options_.seed, film.passes(), first, pixels.size(),
+                           n / film.pixelCount(), nullptr, photons_ ? &*photons_ : nullptr);
             if (photons_) photons_->endIteration(n);
             first += pixels.size();
         }

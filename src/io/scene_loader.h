@@ -1,9 +1,9 @@
 #pragma once
+#include "scene/scene.h"
+
 #include <filesystem>
 #include <map>
 #include <string>
-
-#include "scene/scene.h"
 
 namespace metrolux {
 

@@ -1,11 +1,11 @@
 #pragma once
-/// Markov chains in primary sample space and replica exchange between them. A chain sees a callable that turns a
-/// stream into a value, and a target density of that value; it knows nothing of what the value means.
+/// Markov chains in primary sample space and replica exchange between them. A chain sees a callable that
+/// turns a stream into a value, and a target density of that value; it knows nothing of what the value means.
+
+#include "markov/mutation.h"
 
 #include <algorithm>
 #include <utility>
-
-#include "markov/mutation.h"
 
 namespace metrolux {
 
@@ -29,8 +29,9 @@ class MarkovChain {
     const MutationKernel& kernel() const { return kernel_; }
     double target(const Value& value) const { return target_(value); }
 
-    /// Evaluates a mutation of the current state into `proposal` (whose weight is reset) and returns the probability
-    /// min(1, target' / target) with which it should be accepted. `evaluate(stream, value)` fills the value.
+    /// Evaluates a mutation of the current state into `proposal` (whose weight is reset) and returns the
+    /// probability min(1, target' / target) with which it should be accepted. `evaluate(stream, value)` fills
+    /// the value.
     template <class Evaluate>
     double propose(Evaluate&& evaluate, MarkovState<Value>& proposal, CounterRng& rng) {
         kernel_.mutate(state_.u, proposal.u, rng);
@@ -41,7 +42,8 @@ class MarkovChain {
         return now > 0 ? std::min(1.0, then / now) : (then > 0 ? 1.0 : 0.0);
     }
 
-    /// Decides about the proposal. On acceptance the two states are exchanged: `proposal` then holds the old one.
+    /// Decides about the proposal. On acceptance the two states are exchanged: `proposal` then holds the old
+    /// one.
     bool decide(double acceptance, MarkovState<Value>& proposal, CounterRng& rng) {
         const bool accepted = rng.nextDouble() < acceptance;
         if (accepted) std::swap(state_, proposal);
@@ -62,8 +64,8 @@ class MarkovChain {
     MarkovState<Value> state_;
 };
 
-/// Replica exchange: swaps the states of two chains with probability min(1, a(y) b(x) / (a(x) b(y))) for states x of a
-/// and y of b. Each chain's marginal stays what it was.
+/// Replica exchange: swaps the states of two chains with probability min(1, a(y) b(x) / (a(x) b(y))) for
+/// states x of a and y of b. Each chain's marginal stays what it was.
 template <class Value, class TargetA, class TargetB>
 bool exchangeReplicas(MarkovChain<Value, TargetA>& a, MarkovChain<Value, TargetB>& b, CounterRng& rng) {
     const Value &x = a.state().value, &y = b.state().value;

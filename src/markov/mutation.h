@@ -8,11 +8,13 @@ namespace metrolux {
 class MutationKernel {
   public:
     enum class Kind {
-        Adaptive,  ///< supplement eq. 4-5, [HJ11]: step (2 xi)^(1/theta), theta steered to the goal acceptance
+        Adaptive,  ///< supplement eq. 4-5, [HJ11]: step (2 xi)^(1/theta), theta steered to the goal
+                   ///< acceptance
         Kelemen    ///< [Kel02]: step between 1/1024 and 1/64, log-uniform, not adapted
     };
     static constexpr double kGoalAcceptance = 0.234;
-    /// theta is kept in this range: 1 is the uniform jump, at 0.02 the median step is 2^-50 and the chain stands still.
+    /// theta is kept in this range: 1 is the uniform jump, at 0.02 the median step is 2^-50 and the chain
+    /// stands still.
     static constexpr double kMinimalTheta = 0.02, kMaximalTheta = 1.0;
 
     explicit MutationKernel(Kind kind = Kind::Adaptive) : kind_(kind) {}

@@ -40,7 +40,8 @@ void Normalisation::endIteration(double squaredRadius) {
         joined.push_back(std::move(a));
     }
     const size_t taken = 2 * joined.size();
-    joined.insert(joined.end(), std::make_move_iterator(records_.begin() + static_cast<std::ptrdiff_t>(taken)),
+    joined.insert(joined.end(),
+                  std::make_move_iterator(records_.begin() + static_cast<std::ptrdiff_t>(taken)),
                   std::make_move_iterator(records_.end()));
     records_ = std::move(joined);
 }
@@ -69,9 +70,12 @@ Normalisation::Solution Normalisation::solve(int withoutGroup) const {
         if (sum.uniform > 0) visible.push_back({r.logRadius, sum.uniform, sum.uniformVisible, weight});
         if (sum.visible > 0) size.push_back({r.logRadius, sum.visible, sum.size, weight});
     }
-    // V cannot grow when r shrinks, nor faster than r^2. The mean size of what is visible can do both: r^-2 for few merges.
-    const double b = std::min(1.0, fitTrend(visible, logRadius_, 0, 1)), mean = fitTrend(size, logRadius_, -1.5, 1.5);
-    // With no uniform samples the scale is unknown (a study of chains alone): the estimates stay what they were.
+    // V cannot grow when r shrinks, nor faster than r^2. The mean size of what is visible can do both: r^-2
+    // for few merges.
+    const double b = std::min(1.0, fitTrend(visible, logRadius_, 0, 1)),
+                 mean = fitTrend(size, logRadius_, -1.5, 1.5);
+    // With no uniform samples the scale is unknown (a study of chains alone): the estimates stay what they
+    // were.
     if (!(b > 0 && mean > 0)) return value_;
     return {b, b * mean};
 }

@@ -9,17 +9,19 @@ struct Estimate {
     double value = 0, standardError = 0;
 };
 
-/// Normalisations b_V and b_F of the replicas' targets (ALGORITHM.md section 3), as functions of the merging radius.
+/// Normalisations b_V and b_F of the replicas' targets (ALGORITHM.md section 3), as functions of the merging
+/// radius.
 ///
 ///     b_V = share of the visible among the uniform samples,   b_F = b_V * mean of F over visible samples,
 ///
-/// the latter over the visible uniform samples and those of the visibility chains, which follow the same distribution.
-/// Inverse-variance weighting of the two classic estimators of b_F was tried: for heavy-tailed F the smaller mean comes with the
-/// smaller variance, and b_F was several percent low.
+/// the latter over the visible uniform samples and those of the visibility chains, which follow the same
+/// distribution. Inverse-variance weighting of the two classic estimators of b_F was tried: for heavy-tailed
+/// F the smaller mean comes with the smaller variance, and b_F was several percent low.
 ///
-/// The targets change with the radius: where light is found by merging alone, V shrinks as r^2. A mean over the past
-/// would lag behind (33 % for r^2 ~ i^-1/4), one over a short window is noisy. Both quantities are therefore fitted as powers of
-/// the radius, b_V ~ (r^2)^gamma, by quasi-likelihood (Wedderburn 1974) over all iterations, recent ones weighted more.
+/// The targets change with the radius: where light is found by merging alone, V shrinks as r^2. A mean over
+/// the past would lag behind (33 % for r^2 ~ i^-1/4), one over a short window is noisy. Both quantities are
+/// therefore fitted as powers of the radius, b_V ~ (r^2)^gamma, by quasi-likelihood (Wedderburn 1974) over
+/// all iterations, recent ones weighted more.
 class Normalisation {
   public:
     /// Samples of one lane in one iteration.
@@ -43,7 +45,8 @@ class Normalisation {
         double uniform_ = 0, uniformVisible_ = 0, uniformSize_ = 0, visibility_ = 0, visibilitySize_ = 0;
     };
 
-    /// Adds a lane's samples to the iteration. Lanes must be added in a fixed order: sums do not depend on threads then.
+    /// Adds a lane's samples to the iteration. Lanes must be added in a fixed order: sums do not depend on
+    /// threads then.
     void add(int lane, const Samples& samples);
     /// Closes an iteration that was made with this squared radius.
     void endIteration(double squaredRadius);
@@ -54,7 +57,8 @@ class Normalisation {
 
     double visibility() const { return value_.visibility; }
     double contribution() const { return value_.contribution; }
-    /// Number of visible samples whose sizes are known. If they are independent, b_V is known to one part in its root.
+    /// Number of visible samples whose sizes are known. If they are independent, b_V is known to one part in
+    /// its root.
     double visibleSamples() const;
 
     /// With standard errors, for reports: jackknife over groups of lanes.
@@ -90,7 +94,8 @@ class Normalisation {
 struct TrendPoint {
     double x, exposure, count, weight;
 };
-/// Fits a and gamma (within the bounds) by quasi-likelihood and returns exp(a + gamma x). 0 without counts or exposure.
+/// Fits a and gamma (within the bounds) by quasi-likelihood and returns exp(a + gamma x). 0 without counts or
+/// exposure.
 double fitTrend(const std::vector<TrendPoint>& points, double x, double gammaMin, double gammaMax);
 
 }  // namespace metrolux

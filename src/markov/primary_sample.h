@@ -1,16 +1,16 @@
 #pragma once
-#include <vector>
-
 #include "base/rng.h"
 #include "sampling/sample_stream.h"
+
+#include <vector>
 
 namespace metrolux {
 
 /// A point of primary sample space: the coordinates that have been asked for so far.
 using PrimarySample = std::vector<float>;
 
-/// Reads a PrimarySample; coordinates beyond its end are drawn uniformly and appended. That is exact: no state of the
-/// chain has used them yet, so that they are uniform and independent of everything.
+/// Reads a PrimarySample; coordinates beyond its end are drawn uniformly and appended. That is exact: no
+/// state of the chain has used them yet, so that they are uniform and independent of everything.
 class PrimarySampleStream final : public SampleStream {
   public:
     PrimarySampleStream(PrimarySample& u, CounterRng& rng) : u_(u), rng_(rng) {}

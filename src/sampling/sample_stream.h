@@ -3,10 +3,11 @@
 
 namespace metrolux {
 
-/// The only source of randomness of transport (Lightmetrica v3, Tungsten): a subpath is a function of a stream.
+/// The only source of randomness of transport (Lightmetrica v3, Tungsten): a subpath is a function of a
+/// stream.
 ///
-/// Coordinates are laid out in blocks: one for the endpoint, one for each vertex, so that one bounce never shifts
-/// the meaning of the next one's coordinates (ALGORITHM.md section 3).
+/// Coordinates are laid out in blocks: one for the endpoint, one for each vertex, so that one bounce never
+/// shifts the meaning of the next one's coordinates (ALGORITHM.md section 3).
 class SampleStream {
   public:
     /// Number of coordinates of the endpoint's block (block 0) and of each vertex's block (1, 2, ...).

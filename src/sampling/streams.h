@@ -5,7 +5,13 @@
 namespace metrolux {
 
 /// What a random stream is for: part of its key, so that no two purposes share numbers.
-enum class StreamPurpose : uint64_t { EyeSubpath = 1, LightSubpath = 2, Chain = 3, Seeding = 4, Replacement = 5 };
+enum class StreamPurpose : uint64_t {
+    EyeSubpath = 1,
+    LightSubpath = 2,
+    Chain = 3,
+    Seeding = 4,
+    Replacement = 5
+};
 
 /// Independent uniform numbers; coordinate c of the stream depends on (key, c) only.
 class IndependentStream final : public SampleStream {
@@ -22,9 +28,10 @@ class IndependentStream final : public SampleStream {
     CounterRng rng_;
 };
 
-/// Owen-scrambled Sobol points: one- and two-dimensional patterns, padded (each block's coordinates are stratified
-/// among themselves over the sample index, patterns of different coordinates are shuffled against each other).
-/// Hash-based scrambling after Burley 2020, Practical Hash-based Owen Scrambling, with the permutation of Laine & Karras.
+/// Owen-scrambled Sobol points: one- and two-dimensional patterns, padded (each block's coordinates are
+/// stratified among themselves over the sample index, patterns of different coordinates are shuffled against
+/// each other). Hash-based scrambling after Burley 2020, Practical Hash-based Owen Scrambling, with the
+/// permutation of Laine & Karras.
 class SobolStream final : public SampleStream {
   public:
     /// `key` names the pixel, `index` counts its samples.

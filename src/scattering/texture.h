@@ -1,9 +1,9 @@
 #pragma once
-#include <memory>
-#include <vector>
-
 #include "base/math.h"
 #include "geometry/interaction.h"
+
+#include <memory>
+#include <vector>
 
 namespace metrolux {
 

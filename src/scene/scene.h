@@ -1,8 +1,4 @@
 #pragma once
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "base/distribution.h"
 #include "endpoint/camera.h"
 #include "endpoint/light.h"
@@ -11,27 +7,33 @@
 #include "image/filter.h"
 #include "scattering/bsdf.h"
 
+#include <memory>
+#include <string>
+#include <vector>
+
 namespace metrolux {
 
 /// Path-length limits of the scene's <integrator>.
 struct PathLimits {
-    int maxDepth = -1;   ///< largest number of path edges; -1: no limit. 1 sees lights only, 2 is direct light.
-    int rouletteDepth = 5;  ///< edges of a subpath before roulette begins
+    int maxDepth =
+        -1;  ///< largest number of path edges; -1: no limit. 1 sees lights only, 2 is direct light.
+    int rouletteDepth = 5;      ///< edges of a subpath before roulette begins
     bool hideEmitters = false;  ///< directly visible lights are not shown
 };
 
 /// What a loader makes: parts, before the scene is built.
 struct SceneParts {
-    std::vector<ShapePtr> shapes;          ///< with bsdf and emitter set
+    std::vector<ShapePtr> shapes;  ///< with bsdf and emitter set
     std::vector<Instance> instances;
-    std::vector<LightPtr> lights;          ///< all lights, area lights included
+    std::vector<LightPtr> lights;  ///< all lights, area lights included
     CameraPtr camera;
     PathLimits limits;
-    std::string integrator = "path";       ///< type named by the scene, for `-i scene`
+    std::string integrator = "path";  ///< type named by the scene, for `-i scene`
     ReconstructionFilter::Kind filterKind = ReconstructionFilter::Kind::Gaussian;
     ReconstructionFilter::Parameters filter;
-    std::vector<std::string> warnings;     ///< what --lenient let pass, and what was understood but has no effect
-    std::string source;                    ///< file name
+    std::vector<std::string>
+        warnings;        ///< what --lenient let pass, and what was understood but has no effect
+    std::string source;  ///< file name
 };
 
 /// Immutable after construction.
@@ -40,8 +42,8 @@ class Scene {
     explicit Scene(SceneParts parts);
 
     bool intersect(const Ray& ray, SurfaceInteraction& si) const { return intersector_->intersect(ray, si); }
-    /// Whether the segment between two surface points is free. The normals (zero when there is none) serve to move the
-    /// ends off their surfaces.
+    /// Whether the segment between two surface points is free. The normals (zero when there is none) serve to
+    /// move the ends off their surfaces.
     bool visible(const Vec3f& a, const Vec3f& ngA, const Vec3f& b, const Vec3f& ngB) const;
     /// Whether x sees infinity in direction w.
     bool visibleToInfinity(const Vec3f& x, const Vec3f& ng, const Vec3f& w) const;

@@ -17,7 +17,8 @@ Rgb hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v) 
     if (isBlack(radiance)) return Rgb(0.0f);
     if (v.depth == 1) return radiance * v.throughput;
 
-    // dVCM is one over a density per area, so that the density of next-event estimation is needed per area too.
+    // dVCM is one over a density per area, so that the density of next-event estimation is needed per area
+    // too.
     const Vec3f previous = v.si.p + v.toPrevious * v.distanceToPrevious;
     const EndpointDensities d = light.densities(previous, v.si);
     const double connectArea = double(scene.connectionProbability(previous, &light)) * d.connect *
@@ -26,8 +27,8 @@ Rgb hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v) 
     return radiance * v.throughput * static_cast<float>(hitWeight(strategies, v.mis, connectArea, emission));
 }
 
-Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from, const Vec3f& direction,
-                   const Rgb& throughput, const MisState& mis, int depth) {
+Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from,
+                   const Vec3f& direction, const Rgb& throughput, const MisState& mis, int depth) {
     const Light* light = scene.environment();
     if (!light) return Rgb(0.0f);
     const Rgb radiance = light->environmentRadiance(direction);
@@ -40,7 +41,8 @@ Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f
     return radiance * throughput * static_cast<float>(hitWeight(strategies, mis, connect, emission));
 }
 
-Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight, const Vec2f& u) {
+Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
+                   const Vec2f& u) {
     const Scene::LightChoice choice = scene.chooseLightForConnection(eye.si.p, uLight);
     if (!choice.light) return Rgb(0.0f);
     const std::optional<EndpointConnection> c = choice.light->connect(eye.si.p, u);
@@ -84,7 +86,8 @@ Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vert
     return light.throughput * s.value * c->value * static_cast<float>(weight);
 }
 
-Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vertex& eye) {
+Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light,
+                    const Vertex& eye) {
     const Vec3f d = light.si.p - eye.si.p;
     const double distanceSquared = lengthSquared(d);
     if (!(distanceSquared > 0)) return Rgb(0.0f);
@@ -97,8 +100,7 @@ Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vert
 
     const double lightArea = e.pdfForward * absDot(toLight, light.si.ng) / distanceSquared;
     const double eyeArea = l.pdfForward * absDot(toLight, eye.si.ng) / distanceSquared;
-    const double weight =
-        connectWeight(strategies, light.mis, eye.mis, lightArea, eyeArea, l.pdfReverse,
+    const double weight = connectWeight(strategies, light.mis, eye.mis, lightArea, eyeArea, l.pdfReverse,
                                         e.pdfReverse, light.mergeShare, eye.mergeShare);
     const Rgb value =
         light.throughput * l.value * eye.throughput * e.value * static_cast<float>(weight / distanceSquared);
@@ -106,17 +108,20 @@ Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vert
     return value;
 }
 
-Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye, double inverseDiskArea) {
+Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
+                  double inverseDiskArea) {
     constexpr float kMinimalNormalAgreement = 0.5f;
     if (dot(light.si.ng, eye.si.ng) < kMinimalNormalAgreement) return Rgb(0.0f);
-    // The density of photons on the surface is proportional to the cosine at the light vertex, S to that of the shading
-    // normal: their ratio is the factor of [Veach97] for this vertex.
+    // The density of photons on the surface is proportional to the cosine at the light vertex, S to that of
+    // the shading normal: their ratio is the factor of [Veach97] for this vertex.
     const float cosineLight = absDot(light.toPrevious, light.si.ng);
     if (!(cosineLight > 0)) return Rgb(0.0f);
     const VertexScattering s = scatterEye(eye, light.toPrevious);
     if (isBlack(s.value)) return Rgb(0.0f);
-    const double weight = mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse, eye.mergeShare);
-    return light.throughput * eye.throughput * s.value * static_cast<float>(weight * inverseDiskArea / cosineLight);
+    const double weight =
+        mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse, eye.mergeShare);
+    return light.throughput * eye.throughput * s.value *
+           static_cast<float>(weight * inverseDiskArea / cosineLight);
 }
 
 }  // namespace metrolux

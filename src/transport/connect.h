@@ -1,6 +1,6 @@
 #pragma once
-/// The techniques that join subpaths deterministically (ALGORITHM.md section 1), each with its weight. All return the
-/// weighted contribution of one sample; visibility is tested.
+/// The techniques that join subpaths deterministically (ALGORITHM.md section 1), each with its weight. All
+/// return the weighted contribution of one sample; visibility is tested.
 
 #include "scene/scene.h"
 #include "transport/vertex.h"
@@ -11,22 +11,24 @@ namespace metrolux {
 Rgb hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v);
 
 /// Eye subpath leaves the scene into the environment (s = 0), see SubpathVisitor::escaped.
-Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from, const Vec3f& direction,
-                   const Rgb& throughput, const MisState& mis, int depth);
+Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from,
+                   const Vec3f& direction, const Rgb& throughput, const MisState& mis, int depth);
 
 /// Eye vertex to a fresh light point (s = 1).
-Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight, const Vec2f& u);
+Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
+                   const Vec2f& u);
 
-/// Light vertex to the camera (t = 1). The value is per pixel area at `raster`. `weighted` false: weight one (light
-/// tracing alone).
+/// Light vertex to the camera (t = 1). The value is per pixel area at `raster`. `weighted` false: weight one
+/// (light tracing alone).
 Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
                     bool weighted, Vec2f& raster);
 
 /// Light vertex to eye vertex (s, t >= 2).
 Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vertex& eye);
 
-/// Light vertex merged with an eye vertex at distance <= radius; the value is multiplied by 1 / (pi r^2). Photons from the
-/// other side of a thin wall are refused by their normals.
-Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye, double inverseDiskArea);
+/// Light vertex merged with an eye vertex at distance <= radius; the value is multiplied by 1 / (pi r^2).
+/// Photons from the other side of a thin wall are refused by their normals.
+Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
+                  double inverseDiskArea);
 
 }  // namespace metrolux

@@ -12,7 +12,8 @@ namespace {
 /// Adds hit and nee of one eye subpath and keeps its vertices.
 class EyeVisitor final : public SubpathVisitor {
   public:
-    EyeVisitor(const EyePass& pass, Film& film, std::vector<Vertex>& kept) : pass_(pass), film_(film), kept_(kept) {}
+    EyeVisitor(const EyePass& pass, Film& film, std::vector<Vertex>& kept)
+        : pass_(pass), film_(film), kept_(kept) {}
 
     void begin(uint64_t key, uint32_t index) {
         sum_ = Rgb(0.0f);
@@ -41,7 +42,8 @@ class EyeVisitor final : public SubpathVisitor {
     void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput, const MisState& mis,
                  int depth) override {
         if (countsHit(depth))
-            add(hitEnvironment(pass_.scene, pass_.strategies, from, direction, throughput, mis, depth), Technique::Hit);
+            add(hitEnvironment(pass_.scene, pass_.strategies, from, direction, throughput, mis, depth),
+                Technique::Hit);
     }
 
   private:
@@ -93,7 +95,8 @@ void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& res
     for (size_t i = 0; i < pixels.size(); ++i) result.starts_[i + 1] += result.starts_[i];
     result.vertices_.resize(result.starts_.back());
     parallelFor(chunks, [&](size_t chunk) {
-        std::copy(kept[chunk].begin(), kept[chunk].end(), result.vertices_.begin() + result.starts_[chunk * kChunk]);
+        std::copy(kept[chunk].begin(), kept[chunk].end(),
+                  result.vertices_.begin() + result.starts_[chunk * kChunk]);
         std::vector<Vertex>().swap(kept[chunk]);
     });
 }

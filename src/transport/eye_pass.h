@@ -1,14 +1,15 @@
 #pragma once
-#include <span>
-#include <vector>
-
 #include "image/film.h"
 #include "scene/scene.h"
 #include "transport/vertex.h"
 
+#include <span>
+#include <vector>
+
 namespace metrolux {
 
-/// The eye subpaths of an iteration: one for each pixel of `pixels`, with the vertices that can be connected and merged.
+/// The eye subpaths of an iteration: one for each pixel of `pixels`, with the vertices that can be connected
+/// and merged.
 class EyeVertices {
   public:
     std::span<const Vertex> all() const { return vertices_; }
@@ -17,7 +18,9 @@ class EyeVertices {
         return {vertices_.data() + starts_[i], starts_[i + 1] - starts_[i]};
     }
     size_t subpathCount() const { return starts_.empty() ? 0 : starts_.size() - 1; }
-    size_t memoryBytes() const { return vertices_.capacity() * sizeof(Vertex) + starts_.capacity() * sizeof(size_t); }
+    size_t memoryBytes() const {
+        return vertices_.capacity() * sizeof(Vertex) + starts_.capacity() * sizeof(size_t);
+    }
 
   private:
     friend struct EyePass;
@@ -32,10 +35,10 @@ struct EyePass {
     const Strategies& strategies;
     uint64_t seed = 0;
     uint32_t pass = 0;
-    bool nextEvent = true;   ///< next-event estimation
+    bool nextEvent = true;  ///< next-event estimation
     bool keepVertices = true;
-    bool hit = true;         ///< emitters hit at any depth; false: directly seen ones only
-    int deepest = -1;        ///< subpaths end after this many edges; -1: at the scene's limit
+    bool hit = true;   ///< emitters hit at any depth; false: directly seen ones only
+    int deepest = -1;  ///< subpaths end after this many edges; -1: at the scene's limit
 
     /// `pixels`: indices in the film's window. Deterministic for any number of threads.
     void run(std::span<const uint32_t> pixels, Film& film, EyeVertices& result) const;

@@ -1,9 +1,9 @@
 #include "transport/light_pass.h"
 
-#include <bit>
-
 #include "transport/connect.h"
 #include "transport/subpath.h"
+
+#include <bit>
 
 namespace metrolux {
 
@@ -11,15 +11,16 @@ namespace {
 
 class LightVisitor final : public SubpathVisitor {
   public:
-    LightVisitor(const LightPass& pass, std::span<const Vertex> partner, const Vec2f& uLens, SplatList& splats,
-                 PhotonDensity* counted)
+    LightVisitor(const LightPass& pass, std::span<const Vertex> partner, const Vec2f& uLens,
+                 SplatList& splats, PhotonDensity* counted)
         : pass_(pass), partner_(partner), uLens_(uLens), splats_(splats), counted_(counted) {
         const float r = pass.grid.radius();
         inverseDiskArea_ = 1.0 / (double(kPi) * r * r);
     }
 
     bool surface(const Vertex& v) override {
-        const int limit = pass_.limits.maxDepth < 0 ? std::numeric_limits<int>::max() / 2 : pass_.limits.maxDepth;
+        const int limit =
+            pass_.limits.maxDepth < 0 ? std::numeric_limits<int>::max() / 2 : pass_.limits.maxDepth;
         if (v.bsdf().hasSmoothLobe()) {
             if (counted_) counted_->count(v.si.p);
             if (v.depth < limit) splat(v);
@@ -42,7 +43,8 @@ class LightVisitor final : public SubpathVisitor {
         const float scale = static_cast<float>(pass_.eyes.subpathCount());
         for (const Vertex& eye : partner_) {
             if (v.depth + eye.depth + 1 > limit) break;
-            addPixel(eye.pixel, connectVertices(pass_.scene, pass_.strategies, v, eye) * scale, Technique::Connect);
+            addPixel(eye.pixel, connectVertices(pass_.scene, pass_.strategies, v, eye) * scale,
+                     Technique::Connect);
         }
     }
 
@@ -56,7 +58,8 @@ class LightVisitor final : public SubpathVisitor {
     }
 
     void addPixel(uint32_t pixel, const Rgb& value, Technique technique) {
-        if (!pass_.film.rejectNonFinite(value, technique) && !isBlack(value)) splats_.pixels.push_back({pixel, value});
+        if (!pass_.film.rejectNonFinite(value, technique) && !isBlack(value))
+            splats_.pixels.push_back({pixel, value});
     }
 
     const LightPass& pass_;
@@ -104,7 +107,8 @@ void LightPass::evaluate(SampleStream& stream, SplatList& splats, PhotonDensity*
 }
 
 std::vector<uint32_t> hilbertOrder(int width, int height) {
-    const int order = std::max(1, static_cast<int>(std::bit_width(static_cast<uint32_t>(std::max(width, height) - 1))));
+    const int order =
+        std::max(1, static_cast<int>(std::bit_width(static_cast<uint32_t>(std::max(width, height) - 1))));
     std::vector<std::pair<uint64_t, uint32_t>> keyed;
     keyed.reserve(size_t(width) * height);
     for (int y = 0; y < height; ++y)

@@ -1,33 +1,33 @@
 #pragma once
-#include <span>
-
 #include "image/film.h"
 #include "sampling/sample_stream.h"
 #include "transport/eye_pass.h"
 #include "transport/vertex_grid.h"
 
+#include <span>
+
 namespace metrolux {
 
-/// evaluate(u) -> splats of ALGORITHM.md section 2: everything that one light subpath contributes in an iteration.
-/// A pure function of the stream, given the iteration's eye vertices.
+/// evaluate(u) -> splats of ALGORITHM.md section 2: everything that one light subpath contributes in an
+/// iteration. A pure function of the stream, given the iteration's eye vertices.
 struct LightPass {
     const Scene& scene;
     const PathLimits& limits;
     const Strategies& strategies;
     const EyeVertices& eyes;
     const VertexGrid& grid;
-    Film& film;                     ///< counts non-finite contributions, nothing else
-    bool connect = true;            ///< connect with the vertices of one eye subpath
+    Film& film;           ///< counts non-finite contributions, nothing else
+    bool connect = true;  ///< connect with the vertices of one eye subpath
     bool merge = true;
-    bool weighted = true;           ///< false: splats alone with weight one (light tracing)
+    bool weighted = true;  ///< false: splats alone with weight one (light tracing)
 
     /// Coordinates of block 0 that the light's emission does not use.
     static constexpr int kEyeSubpathCoordinate = 5;
     static constexpr int kLensCoordinate = 6;
 
-    /// Appends to `splats` (cleared first). Scales: a pixel splat is the estimate of its pixel from one light subpath;
-    /// divide by the number of light subpaths to average.
-    /// `counted`: where the subpath's vertices are counted, if given.
+    /// Appends to `splats` (cleared first). Scales: a pixel splat is the estimate of its pixel from one light
+    /// subpath; divide by the number of light subpaths to average. `counted`: where the subpath's vertices
+    /// are counted, if given.
     void evaluate(SampleStream& stream, SplatList& splats, PhotonDensity* counted = nullptr) const;
 };
 

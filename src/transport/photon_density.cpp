@@ -1,14 +1,15 @@
 #include "transport/photon_density.h"
 
-#include <cmath>
-
 #include "base/rng.h"
+
+#include <cmath>
 
 namespace metrolux {
 
 PhotonDensity::PhotonDensity(double cell)
     : inverseCell_(1 / cell), counts_(new std::atomic<uint32_t>[kBuckets]()), sums_(kBuckets, 0) {
-    // Mean area of a plane's cut through a cell that it meets: cell^2 * 1 if parallel to a face, up to 1.3 aslant.
+    // Mean area of a plane's cut through a cell that it meets: cell^2 * 1 if parallel to a face, up to 1.3
+    // aslant.
     constexpr double kMeanCut = 1.2;
     area_ = kMeanCut * cell * cell;
 }

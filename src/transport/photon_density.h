@@ -1,16 +1,16 @@
 #pragma once
+#include "base/math.h"
+
 #include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
 
-#include "base/math.h"
-
 namespace metrolux {
 
-/// Density of light subpaths' vertices on surfaces, averaged over the iterations so far, from counts in the cells of a hash
-/// grid. It steers weights only: collisions in the table and cells that a surface crosses aslant cost efficiency, never
-/// brightness.
+/// Density of light subpaths' vertices on surfaces, averaged over the iterations so far, from counts in the
+/// cells of a hash grid. It steers weights only: collisions in the table and cells that a surface crosses
+/// aslant cost efficiency, never brightness.
 class PhotonDensity {
   public:
     /// `cell`: edge of a cell in scene units, > 0.
@@ -20,7 +20,8 @@ class PhotonDensity {
     void count(const Vec3f& p) { counts_[bucketOf(p)].fetch_add(1, std::memory_order_relaxed); }
     /// Closes an iteration in which the vertices of so many light subpaths were counted.
     void endIteration(double lightSubpaths);
-    /// Expected number of vertices per light subpath and area around p; 0 before the first iteration has ended.
+    /// Expected number of vertices per light subpath and area around p; 0 before the first iteration has
+    /// ended.
     double at(const Vec3f& p) const { return sums_[bucketOf(p)] * scale_; }
 
   private:

@@ -19,9 +19,9 @@ struct Walk {
     TransportMode mode;
 };
 
-/// Chooses the next direction at `v` and updates throughput and weights. The only home of throughput, roulette, the
-/// adjoint correction and the MIS recursion. False when the walk ends.
-/// `delta`: by a delta lobe.
+/// Chooses the next direction at `v` and updates throughput and weights. The only home of throughput,
+/// roulette, the adjoint correction and the MIS recursion. False when the walk ends. `delta`: by a delta
+/// lobe.
 bool scatter(const Walk& walk, const Vertex& v, Ray& ray, Rgb& throughput, MisState& mis, bool& delta) {
     const Bsdf& bsdf = v.bsdf();
     walk.stream.seek(v.depth);
@@ -56,14 +56,15 @@ bool scatter(const Walk& walk, const Vertex& v, Ray& ray, Rgb& throughput, MisSt
         mis.scatterDelta(cosine, s->pdfReverse / s->pdfForward, solidAngleRatio);
     } else {
         const bool firstOfLight = walk.mode == TransportMode::Importance && v.depth == 1;
-        mis.scatter(walk.strategies, cosine, s->pdfForward, s->pdfReverse, firstOfLight,
-                    v.mergeShare);
+        mis.scatter(walk.strategies, cosine, s->pdfForward, s->pdfReverse, firstOfLight, v.mergeShare);
     }
     ray = {offsetRayOrigin(v.si.p, v.si.ng, direction), direction, kInfinity};
     return true;
 }
 
-int depthLimit(const PathLimits& limits) { return limits.maxDepth < 0 ? kDepthCap : std::min(limits.maxDepth, kDepthCap); }
+int depthLimit(const PathLimits& limits) {
+    return limits.maxDepth < 0 ? kDepthCap : std::min(limits.maxDepth, kDepthCap);
+}
 
 /// Goes on from a first vertex until the walk ends.
 void continueWalk(const Walk& walk, Vertex& v) {
@@ -99,8 +100,9 @@ void continueWalk(const Walk& walk, Vertex& v) {
 
 }  // namespace
 
-void traceEyeSubpath(const Scene& scene, SampleStream& stream, const PathLimits& limits, const Strategies& strategies,
-                     const Vec2f& raster, float weight, uint32_t pixel, SubpathVisitor& visitor) {
+void traceEyeSubpath(const Scene& scene, SampleStream& stream, const PathLimits& limits,
+                     const Strategies& strategies, const Vec2f& raster, float weight, uint32_t pixel,
+                     SubpathVisitor& visitor) {
     stream.seek(0);
     stream.next2D();
     const std::optional<EndpointRay> start = scene.camera().sampleRay(stream.next2D(), raster);
@@ -119,7 +121,8 @@ void traceEyeSubpath(const Scene& scene, SampleStream& stream, const PathLimits&
     const double cosine = absDot(start->direction, v.si.ng);
     if (!(cosine > 0)) return;
     // The camera's ray may start at a near plane: distances count from the centre of projection.
-    const Vec3f origin = infinite ? start->origin : scene.camera().projectionCenter(start->origin, start->direction);
+    const Vec3f origin =
+        infinite ? start->origin : scene.camera().projectionCenter(start->origin, start->direction);
     v.distanceToPrevious = (v.si.p - origin).length();
     mis.arrive(infinite ? 1.0 : sqr(double(v.distanceToPrevious)), cosine);
     v.toPrevious = -start->direction;
@@ -141,7 +144,8 @@ void traceLightSubpath(const Scene& scene, SampleStream& stream, const PathLimit
     if (!start || isBlack(start->weight)) return;
 
     const bool surface = start->ng != Vec3f(0.0f);
-    const Vec3f origin = surface ? offsetRayOrigin(start->origin, start->ng, start->direction) : start->origin;
+    const Vec3f origin =
+        surface ? offsetRayOrigin(start->origin, start->ng, start->direction) : start->origin;
     Vertex v;
     if (!scene.intersect({origin, start->direction, kInfinity}, v.si)) return;
 

@@ -11,18 +11,19 @@ class SubpathVisitor {
     virtual ~SubpathVisitor() = default;
     /// A surface vertex, before scattering. Returns whether the walk goes on.
     virtual bool surface(const Vertex& vertex) = 0;
-    /// The walk leaves the scene in `direction` after `depth` edges (the escaping one included). `from` is the last
-    /// surface point, or the ray origin; mis.dVCM still refers to a density per solid angle.
-    virtual void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput, const MisState& mis,
-                         int depth) {
+    /// The walk leaves the scene in `direction` after `depth` edges (the escaping one included). `from` is
+    /// the last surface point, or the ray origin; mis.dVCM still refers to a density per solid angle.
+    virtual void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput,
+                         const MisState& mis, int depth) {
         (void)from, (void)direction, (void)throughput, (void)mis, (void)depth;
     }
 };
 
-/// Random walk from the camera through `raster` (pixels of the full image). `weight` multiplies the throughput.
-/// Block 0 of the stream: coordinates 0-1 are the caller's (raster position), 2-3 the lens.
-void traceEyeSubpath(const Scene& scene, SampleStream& stream, const PathLimits& limits, const Strategies& strategies,
-                     const Vec2f& raster, float weight, uint32_t pixel, SubpathVisitor& visitor);
+/// Random walk from the camera through `raster` (pixels of the full image). `weight` multiplies the
+/// throughput. Block 0 of the stream: coordinates 0-1 are the caller's (raster position), 2-3 the lens.
+void traceEyeSubpath(const Scene& scene, SampleStream& stream, const PathLimits& limits,
+                     const Strategies& strategies, const Vec2f& raster, float weight, uint32_t pixel,
+                     SubpathVisitor& visitor);
 
 /// Random walk from a light. Block 0 of the stream: light choice, point (2), direction (2); the remaining
 /// coordinates are the caller's (LightPathCoordinates).

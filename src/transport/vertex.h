@@ -8,12 +8,12 @@ namespace metrolux {
 /// A surface vertex of a subpath: a plain value that can be connected and merged without its subpath.
 struct Vertex {
     SurfaceInteraction si;
-    Vec3f toPrevious{0.0f};   ///< unit direction to the predecessor
+    Vec3f toPrevious{0.0f};  ///< unit direction to the predecessor
     float distanceToPrevious = 0;
-    Rgb throughput{0.0f};     ///< product of value / density up to the arrival at this vertex
-    MisState mis;       ///< at arrival
-    uint32_t pixel = 0; ///< eye subpaths: index in the rendered window
-    int depth = 0;      ///< edges between the endpoint and this vertex
+    Rgb throughput{0.0f};  ///< product of value / density up to the arrival at this vertex
+    MisState mis;          ///< at arrival
+    uint32_t pixel = 0;    ///< eye subpaths: index in the rendered window
+    int depth = 0;         ///< edges between the endpoint and this vertex
     float mergeShare = 1;  ///< Strategies::mergeShare() here
 
     const Bsdf& bsdf() const { return *si.shape->bsdf; }
@@ -32,8 +32,8 @@ inline VertexScattering scatterEye(const Vertex& v, const Vec3f& toLight) {
     return {e.value, e.pdfLight, e.pdfEye};
 }
 
-/// Light vertex toward the eye side. Value: S |wEye.Ng| / |wLight.Ng|, Veach's adjoint (5.3.4): the only place, with
-/// lightSampleFactor, where the asymmetry of shading normals enters.
+/// Light vertex toward the eye side. Value: S |wEye.Ng| / |wLight.Ng|, Veach's adjoint (5.3.4): the only
+/// place, with lightSampleFactor, where the asymmetry of shading normals enters.
 inline VertexScattering scatterLight(const Vertex& v, const Vec3f& toEye) {
     const float cosineLight = absDot(v.toPrevious, v.si.ng);
     if (!(cosineLight > 0)) return {};

@@ -1,9 +1,9 @@
 #include "transport/vertex_grid.h"
 
-#include <bit>
-
 #include "base/parallel.h"
 #include "base/rng.h"
+
+#include <bit>
 
 namespace metrolux {
 
@@ -44,7 +44,9 @@ void VertexGrid::build(std::span<const Vertex> vertices, float radius) {
     parallelFor((n + kChunk - 1) / kChunk, [&](size_t chunk) {
         for (size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
             const Vec3f& p = vertices[i].si.p;
-            const auto cell = [&](float x) { return static_cast<int64_t>(std::floor(double(x) * inverseCell_)); };
+            const auto cell = [&](float x) {
+                return static_cast<int64_t>(std::floor(double(x) * inverseCell_));
+            };
             buckets[i] = bucketOf(cell(p.x), cell(p.y), cell(p.z));
         }
     });

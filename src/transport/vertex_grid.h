@@ -1,23 +1,26 @@
 #pragma once
+#include "transport/vertex.h"
+
 #include <array>
 #include <span>
 #include <vector>
 
-#include "transport/vertex.h"
-
 namespace metrolux {
 
-/// Hash grid over the eye vertices of an iteration, counting-sorted into buckets. Cells are two radii wide, so that
-/// a ball of one radius touches at most eight of them.
+/// Hash grid over the eye vertices of an iteration, counting-sorted into buckets. Cells are two radii wide,
+/// so that a ball of one radius touches at most eight of them.
 class VertexGrid {
   public:
     /// Keeps positions and indices, not the vertices. `radius` > 0, finite.
     void build(std::span<const Vertex> vertices, float radius);
     void clear();
     float radius() const { return radius_; }
-    size_t memoryBytes() const { return entries_.capacity() * sizeof(Entry) + starts_.capacity() * sizeof(uint32_t); }
+    size_t memoryBytes() const {
+        return entries_.capacity() * sizeof(Entry) + starts_.capacity() * sizeof(uint32_t);
+    }
 
-    /// Calls visit(index) for each vertex within the radius of p, once, in an order that depends on the vertices only.
+    /// Calls visit(index) for each vertex within the radius of p, once, in an order that depends on the
+    /// vertices only.
     template <class Visit>
     void query(const Vec3f& p, Visit&& visit) const {
         if (entries_.empty()) return;

@@ -1,27 +1,31 @@
-/// Integrators agree. They share the eye subpaths but little else: path finds light by next-event estimation and by
-/// chance, bdpt by connections and splats, vcm by merging too, mcmc_vcm samples light subpaths in another way.
+/// Integrators agree. They share the eye subpaths but little else: path finds light by next-event estimation
+/// and by chance, bdpt by connections and splats, vcm by merging too, mcmc_vcm samples light subpaths in
+/// another way.
 ///
-/// Each integrator renders every scene with independent seeds. Means of blocks of the image are compared pairwise by
-/// Welch's test with the scatter between seeds, which holds for correlated samples, and Sidak's correction over all
-/// blocks, channels, pairs and scenes: all tests together err with probability kFamilyRate.
+/// Each integrator renders every scene with independent seeds. Means of blocks of the image are compared
+/// pairwise by Welch's test with the scatter between seeds, which holds for correlated samples, and Sidak's
+/// correction over all blocks, channels, pairs and scenes: all tests together err with probability
+/// kFamilyRate.
 ///
-/// Heavy tails. Where an integrator finds a strong path rarely, its block means are skewed: without the rare path both
-/// mean and variance are too small, and t has heavier tails than Student's. Nothing is clamped or trimmed, since both hide
-/// what is looked for. Instead each mean is over 16 seeds of tens of thousands of samples of many pixels, and a pair is
-/// compared only where both integrators can find all the light (Case::integrators says why not). Seeds are fixed: a
-/// scene that passes does so again until the code changes.
+/// Heavy tails. Where an integrator finds a strong path rarely, its block means are skewed: without the rare
+/// path both mean and variance are too small, and t has heavier tails than Student's. Nothing is clamped or
+/// trimmed, since both hide what is looked for. Instead each mean is over 16 seeds of tens of thousands of
+/// samples of many pixels, and a pair is compared only where both integrators can find all the light
+/// (Case::integrators says why not). Seeds are fixed: a scene that passes does so again until the code
+/// changes.
 ///
-/// Merging blurs over its radius. The radius here is half the default: `vcm` with radii of 1/2 and 1/4 of the default
-/// and the same seeds differ by less than 1 % of the image mean in all scenes (table in docs/conformance.md); bias
-/// within a block is what the test would report as a disagreement with path and bdpt.
+/// Merging blurs over its radius. The radius here is half the default: `vcm` with radii of 1/2 and 1/4 of the
+/// default and the same seeds differ by less than 1 % of the image mean in all scenes (table in
+/// docs/conformance.md); bias within a block is what the test would report as a disagreement with path and
+/// bdpt.
+
+#include "support/block_statistics.h"
+#include "support/scene_rendering.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <map>
-
-#include "support/block_statistics.h"
-#include "support/scene_rendering.h"
 
 namespace metrolux {
 namespace {
@@ -90,7 +94,8 @@ TEST_P(Agreement, OfAllPairs) {
     std::map<std::string, BlockStatistics> blocks;
     for (const auto& [integrator, passes] : c.integrators) {
         BlockStatistics& b = blocks.try_emplace(integrator, kWidth, kHeight, kColumns, kRows).first->second;
-        for (const auto& image : scene.renderSeeds(integrator, passes, 1000, kSeeds, kRadiusFactor)) b.add(image);
+        for (const auto& image : scene.renderSeeds(integrator, passes, 1000, kSeeds, kRadiusFactor))
+            b.add(image);
     }
 
     for (auto a = blocks.begin(); a != blocks.end(); ++a)
@@ -100,19 +105,20 @@ TEST_P(Agreement, OfAllPairs) {
             std::vector<double> detectable;
             for (size_t i = 0; i < a->second.size(); ++i) {
                 const double meanA = a->second.mean(i), meanB = b->second.mean(i);
-                const WelchResult r =
-                    welch(meanA, a->second.varianceOfMean(i), a->second.degreesOfFreedom(), meanB,
-                          b->second.varianceOfMean(i), b->second.degreesOfFreedom());
+                const WelchResult r = welch(meanA, a->second.varianceOfMean(i), a->second.degreesOfFreedom(),
+                                            meanB, b->second.varianceOfMean(i), b->second.degreesOfFreedom());
                 if (meanA + meanB > 0) detectable.push_back(2 * r.halfWidth(level()) / (meanA + meanB));
                 if (r.pValue >= least) continue;
                 least = r.pValue;
-                worst = fmt::format("block ({}, {}) {}: {:.5f} and {:.5f}, t = {:.1f}, p = {:.1g}", i / 3 % kColumns,
-                                    i / 3 / kColumns, "RGB"[i % 3], meanA, meanB, r.difference / r.standardError, r.pValue);
+                worst = fmt::format("block ({}, {}) {}: {:.5f} and {:.5f}, t = {:.1f}, p = {:.1g}",
+                                    i / 3 % kColumns, i / 3 / kColumns, "RGB"[i % 3], meanA, meanB,
+                                    r.difference / r.standardError, r.pValue);
             }
             ASSERT_FALSE(detectable.empty());
             std::sort(detectable.begin(), detectable.end());
             fmt::print("| {} | {} - {} | {:+.2f} % | {:.1g} | {:.1f} % |\n", c.name, a->first, b->first,
-                       100 * (a->second.total() / b->second.total() - 1), least, 100 * detectable[detectable.size() / 2]);
+                       100 * (a->second.total() / b->second.total() - 1), least,
+                       100 * detectable[detectable.size() / 2]);
             EXPECT_GT(least, level()) << a->first << " and " << b->first << " disagree: " << worst;
         }
     fmt::print("{}: {:.0f} s of processor time\n", c.name, timer.seconds());

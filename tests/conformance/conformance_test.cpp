@@ -1,28 +1,30 @@
 /// The render tests of Mitsuba 3, with every integrator.
 ///
-/// `path`: Mitsuba's own test, sample for sample: 2,000,000 / pixels passes against the reference, with the reference's
-/// variance of one sample. Passed when at least 99.75 % of the pixel-channels have a p-value above a level that one
-/// image in a hundred would undercut in a single pixel.
+/// `path`: Mitsuba's own test, sample for sample: 2,000,000 / pixels passes against the reference, with the
+/// reference's variance of one sample. Passed when at least 99.75 % of the pixel-channels have a p-value
+/// above a level that one image in a hundred would undercut in a single pixel.
 ///
-/// `bdpt`, `vcm`, `mcmc_vcm`: that variance does not hold for them (splats, merged vertices and chains are shared by
-/// pixels). The means of blocks of the image over independent seeds are compared with the reference by Welch's test, at
-/// a level of 1 % for the program as a whole (Sidak over scenes, integrators, blocks and channels).
+/// `bdpt`, `vcm`, `mcmc_vcm`: that variance does not hold for them (splats, merged vertices and chains are
+/// shared by pixels). The means of blocks of the image over independent seeds are compared with the reference
+/// by Welch's test, at a level of 1 % for the program as a whole (Sidak over scenes, integrators, blocks and
+/// channels).
+
+#include "references.h"
+#include "support/block_statistics.h"
+#include "support/scene_rendering.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <map>
 
-#include "references.h"
-#include "support/block_statistics.h"
-#include "support/scene_rendering.h"
-
 namespace metrolux {
 namespace {
 
 using namespace test;
 
-constexpr const char* kAbsent = "../shared/conformance is absent: scenes of Mitsuba's tests were not rendered";
+constexpr const char* kAbsent =
+    "../shared/conformance is absent: scenes of Mitsuba's tests were not rendered";
 
 std::string parameterName(const std::string& scene) {
     std::string name = scene.substr(scene.find('/') + 1);
@@ -65,7 +67,8 @@ struct Exception {
 Exception exceptionFor(const std::string& scene) {
     Exception e;
     if (scene == "projector/test_projector_constant") {
-        // 170 degrees of view: the default radius, from mean distances, covers many pixels at the projector's edge.
+        // 170 degrees of view: the default radius, from mean distances, covers many pixels at the projector's
+        // edge.
         e.radiusFactor = 0.02;
         // Mitsuba's tabulated Gaussian lets 7 % more into the filter's tail beside that edge, for `path` too.
         e.toleranceFactor = 5;
@@ -73,21 +76,24 @@ Exception exceptionFor(const std::string& scene) {
     return e;
 }
 
-/// Block means against the reference, by Welch's test with the scatter between seeds. The number of samples of the
-/// reference is unknown; it is taken as exact but for a tolerance, subtracted from each difference: the standard error
-/// of Mitsuba's own test where its floor of the variance applies, sqrt(1e-4 / samples), and kRelativeTolerance.
-/// Merging: the radius is a quarter of the default, where merging has a weight of some percent and its bias vanishes in
-/// the errors (tests/agreement measures it).
-void compareBlocks(const ConformanceScene& scene, const std::string& integrator, int samplesPerSeed, int leastPasses) {
+/// Block means against the reference, by Welch's test with the scatter between seeds. The number of samples
+/// of the reference is unknown; it is taken as exact but for a tolerance, subtracted from each difference:
+/// the standard error of Mitsuba's own test where its floor of the variance applies, sqrt(1e-4 / samples),
+/// and kRelativeTolerance. Merging: the radius is a quarter of the default, where merging has a weight of
+/// some percent and its bias vanishes in the errors (tests/agreement measures it).
+void compareBlocks(const ConformanceScene& scene, const std::string& integrator, int samplesPerSeed,
+                   int leastPasses) {
     const CpuTimer timer;
     const RenderableScene renderable(scene.file);
     const Reference reference = readReference(scene);
     const Exception exception = exceptionFor(scene.name);
     const int side = std::max(8, renderable.height() / 6);
-    BlockStatistics blocks(renderable.width(), renderable.height(), renderable.width() / side, renderable.height() / side);
+    BlockStatistics blocks(renderable.width(), renderable.height(), renderable.width() / side,
+                           renderable.height() / side);
     const int passes = std::max(leastPasses, samplesPerSeed / renderable.pixelCount()) * exception.passFactor;
     std::vector<float> mean(reference.image.pixels.size(), 0.0f);
-    for (std::vector<float>& image : renderable.renderSeeds(integrator, passes, 1, kSeeds, exception.radiusFactor)) {
+    for (std::vector<float>& image :
+         renderable.renderSeeds(integrator, passes, 1, kSeeds, exception.radiusFactor)) {
         toXyz(image);
         blocks.add(image);
         for (size_t i = 0; i < mean.size(); ++i) mean[i] += image[i] / kSeeds;
@@ -109,14 +115,15 @@ void compareBlocks(const ConformanceScene& scene, const std::string& integrator,
         if (expected[i] > 0) detectable.push_back((tolerance + r.halfWidth(level)) / expected[i]);
         if (r.pValue < least) {
             least = r.pValue;
-            worst = fmt::format("block {}, channel {}: {:.5f} +- {:.5f}, expected {:.5f}", i / 3, "XYZ"[i % 3],
-                                blocks.mean(i), r.standardError, expected[i]);
+            worst = fmt::format("block {}, channel {}: {:.5f} +- {:.5f}, expected {:.5f}", i / 3,
+                                "XYZ"[i % 3], blocks.mean(i), r.standardError, expected[i]);
         }
         blocks.fill(pValues, i, static_cast<float>(r.pValue));
     }
     std::sort(detectable.begin(), detectable.end());
     writeRow(scene.name, integrator,
-             fmt::format("p {:.2g} (level {:.1g}), sees {:.1f} %", least, level, 100 * detectable[detectable.size() / 2]),
+             fmt::format("p {:.2g} (level {:.1g}), sees {:.1f} %", least, level,
+                         100 * detectable[detectable.size() / 2]),
              timer.seconds());
     EXPECT_GT(least, level) << worst;
     if (testing::Test::HasFailure()) writeFailure(scene.name + "-" + integrator, mean, reference, pValues);

@@ -1,13 +1,13 @@
 #include "references.h"
 
+#include "image/compare.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
-
-#include "image/compare.h"
 
 namespace metrolux::test {
 
@@ -62,8 +62,8 @@ std::vector<ConformanceScene> conformanceScenes() {
         const std::string stem = entry.path().stem().string();
         const std::string name = stem.substr(0, stem.rfind('_'));
         const fs::path folder = entry.path().parent_path(), refs = folder / "refs";
-        ConformanceScene scene{folder.filename().string() + "/" + name, entry.path(), refs / (name + "_ref_rgb.exr"),
-                               refs / (name + "_ref_rgb_var.exr")};
+        ConformanceScene scene{folder.filename().string() + "/" + name, entry.path(),
+                               refs / (name + "_ref_rgb.exr"), refs / (name + "_ref_rgb_var.exr")};
         if (fs::exists(scene.reference) && fs::exists(scene.variance)) scenes.push_back(std::move(scene));
     }
     std::sort(scenes.begin(), scenes.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
@@ -86,7 +86,8 @@ ZTest zTest(const std::vector<float>& imageXyz, const Reference& reference, int 
     size_t above = 0;
     for (size_t i = 0; i < imageXyz.size(); ++i) {
         const double variance = std::max<double>(reference.variance.pixels[i], kVarianceFloor);
-        const double z = std::abs(double(imageXyz[i]) - reference.image.pixels[i]) * std::sqrt(samples / variance);
+        const double z =
+            std::abs(double(imageXyz[i]) - reference.image.pixels[i]) * std::sqrt(samples / variance);
         const double p = std::erfc(z * std::numbers::sqrt2 / 2);
         result.pValues[i] = static_cast<float>(p);
         above += p > alpha;
@@ -111,7 +112,8 @@ void writeFailure(const std::string& name, std::vector<float> imageXyz, const Re
     writePngRaw(kOutput / fileName(name, "-p.png"), p);
 }
 
-void writeRow(const std::string& scene, const std::string& integrator, const std::string& result, double seconds) {
+void writeRow(const std::string& scene, const std::string& integrator, const std::string& result,
+              double seconds) {
     fs::create_directories(kOutput);
     const std::string row = fmt::format("| {} | {} | {} | {:.1f} |", scene, integrator, result, seconds);
     fmt::print("{}\n", row);

@@ -1,9 +1,9 @@
 /// A scene of Mitsuba 0.6 and the same scene in the terms of Mitsuba 3 make the same bits.
 
-#include <gtest/gtest.h>
-
 #include "support/scene_rendering.h"
 #include "unit/io/support.h"
+
+#include <gtest/gtest.h>
 
 namespace metrolux {
 namespace {
@@ -221,7 +221,8 @@ constexpr const char* kNewScene = R"(<?xml version="1.0" encoding="utf-8"?>
 
 TEST(SceneVersions, OldAndNewTwinsAreTheSameBits) {
     const test::TemporaryFolder folder;
-    const test::RenderableScene oldScene(folder.write("old.xml", kOldScene)), newScene(folder.write("new.xml", kNewScene));
+    const test::RenderableScene oldScene(folder.write("old.xml", kOldScene)),
+        newScene(folder.write("new.xml", kNewScene));
     EXPECT_EQ(newScene.width(), 28);
     EXPECT_EQ(newScene.maxDepth(), 6);
     for (const char* integrator : {"path", "mcmc_vcm"}) {

@@ -1,18 +1,19 @@
-/// Recursive MIS weights against brute force: for random paths of every technique, the weight that transport/ applies
-/// is compared with one made of the products of all densities along the path (ALGORITHM.md section 1), and the weights of
-/// all techniques of one path must sum to one. Deterministic: fixed seeds. 99.9 % of the paths must agree to 1e-4
-/// (relative) and all to 2e-3: vertices are single precision, and refraction magnifies the rounding of a few. A wrong
-/// cosine, count or index of refraction shows as deviations of 1e-2 to 1 in most paths.
-
-#include <gtest/gtest.h>
-
-#include <map>
+/// Recursive MIS weights against brute force: for random paths of every technique, the weight that transport/
+/// applies is compared with one made of the products of all densities along the path (ALGORITHM.md section
+/// 1), and the weights of all techniques of one path must sum to one. Deterministic: fixed seeds. 99.9 % of
+/// the paths must agree to 1e-4 (relative) and all to 2e-3: vertices are single precision, and refraction
+/// magnifies the rounding of a few. A wrong cosine, count or index of refraction shows as deviations of 1e-2
+/// to 1 in most paths.
 
 #include "sampling/streams.h"
 #include "scattering/fresnel.h"
 #include "support/small_scenes.h"
 #include "transport/connect.h"
 #include "transport/subpath.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
 
 namespace metrolux {
 namespace {
@@ -64,12 +65,13 @@ std::shared_ptr<Scene> makeScene(Lighting lighting) {
     return b.build();
 }
 
-/// A full path, light to camera: x[0] is the light (or a direction to infinity), x.back() the camera's neighbour.
+/// A full path, light to camera: x[0] is the light (or a direction to infinity), x.back() the camera's
+/// neighbour.
 struct FullPath {
     const Light* light = nullptr;
     bool infinite = false;
     bool found = true;
-    Vec3f toLight{0.0f};         ///< infinite lights: direction from x1
+    Vec3f toLight{0.0f};            ///< infinite lights: direction from x1
     SurfaceInteraction lightPoint;  ///< area lights
     Vec3f lightPosition{0.0f};
     std::vector<SurfaceInteraction> inner;  ///< x1 ... x_{k-1}
@@ -113,7 +115,8 @@ class BruteForce {
         // Densities per area of x_i: forward[i] from the light side, backward[i] from the camera side.
         std::vector<double> forward(m + 1), backward(m + 1);
         const EndpointDensities d = densities(path);
-        const double cosineLight = path.infinite || path.light->isDelta() ? 1.0 : absDot(towardLight(1), path.lightPoint.ng);
+        const double cosineLight =
+            path.infinite || path.light->isDelta() ? 1.0 : absDot(towardLight(1), path.lightPoint.ng);
         const double d2 = path.infinite ? 1.0 : lengthSquared(p(1).p - path.lightPosition);
         forward[0] = d.pdfPosition * scene_.emissionProbability(path.light);
         if (path.infinite) forward[0] = d.pdfDirection * scene_.emissionProbability(path.light);
@@ -121,12 +124,14 @@ class BruteForce {
         double nee0 = scene_.connectionProbability(p(1).p, path.light);
         if (!path.light->isDelta()) nee0 *= d.connect * (path.infinite ? 1.0 : cosineLight / d2);
 
-        for (int i = 1; i < m; ++i) forward[i + 1] = scatterDensity(p(i), towardLight(i), towardEye(i), true) *
-                                                     absDot(towardEye(i), p(i + 1).ng) / lengthSquared(p(i + 1).p - p(i).p);
+        for (int i = 1; i < m; ++i)
+            forward[i + 1] = scatterDensity(p(i), towardLight(i), towardEye(i), true) *
+                             absDot(towardEye(i), p(i + 1).ng) / lengthSquared(p(i + 1).p - p(i).p);
         for (int i = m; i >= 1; --i) {
             const double pdf = scatterDensity(p(i), towardLight(i), towardEye(i), false);
             if (i > 1)
-                backward[i - 1] = pdf * absDot(towardLight(i), p(i - 1).ng) / lengthSquared(p(i - 1).p - p(i).p);
+                backward[i - 1] =
+                    pdf * absDot(towardLight(i), p(i - 1).ng) / lengthSquared(p(i - 1).p - p(i).p);
             else
                 backward[0] = path.infinite ? pdf : pdf * cosineLight / d2;
         }
@@ -149,7 +154,8 @@ class BruteForce {
             bool certain = true;  // only delta scattering between x_s and the camera
             for (int s = m; s >= 1; --s) {
                 if (!smooth(s)) continue;
-                density[{"merge", s}] = n_.merge * product(s) * forward[s] * (certain ? 1.0 : n_.mergeShare(p(s).p));
+                density[{"merge", s}] =
+                    n_.merge * product(s) * forward[s] * (certain ? 1.0 : n_.mergeShare(p(s).p));
                 certain = false;
             }
         }
@@ -159,8 +165,9 @@ class BruteForce {
         return density;
     }
 
-    /// The oracle takes directions from differences of float positions: short edges, grazing directions and densities
-    /// that change quickly (refraction near total reflection) would test float rounding, not the recursion.
+    /// The oracle takes directions from differences of float positions: short edges, grazing directions and
+    /// densities that change quickly (refraction near total reflection) would test float rounding, not the
+    /// recursion.
     bool wellConditioned(const FullPath& path) const {
         const int m = static_cast<int>(path.inner.size());
         for (int i = 0; i <= m; ++i) {
@@ -193,9 +200,10 @@ class BruteForce {
         return d;
     }
 
-    /// Density of the direction to the eye (forward) or to the light, per solid angle. Delta lobes: their probability, in
-    /// the measure of the eye-side direction.
-    double scatterDensity(const SurfaceInteraction& si, const Vec3f& wLight, const Vec3f& wEye, bool forward) const {
+    /// Density of the direction to the eye (forward) or to the light, per solid angle. Delta lobes: their
+    /// probability, in the measure of the eye-side direction.
+    double scatterDensity(const SurfaceInteraction& si, const Vec3f& wLight, const Vec3f& wEye,
+                          bool forward) const {
         const Bsdf& bsdf = *si.shape->bsdf;
         if (bsdf.hasSmoothLobe()) {
             const BsdfEvaluation e = bsdf.evaluate(si, si.toLocal(wEye), si.toLocal(wLight));
@@ -242,7 +250,9 @@ Vertex withoutHistory(Vertex v) {
     return v;
 }
 
-double ratio(const Rgb& a, const Rgb& b) { return luminance(b) > 0 ? double(luminance(a)) / luminance(b) : -1; }
+double ratio(const Rgb& a, const Rgb& b) {
+    return luminance(b) > 0 ? double(luminance(a)) / luminance(b) : -1;
+}
 
 class MisOracle : public ::testing::TestWithParam<std::tuple<Lighting, bool>> {};
 
@@ -305,7 +315,9 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
                 SurfaceInteraction si;
                 // A point on a sphere's silhouette may be missed by the rounded ray: such a path is left out.
                 path.found = scene.intersect({offsetRayOrigin(first.si.p, first.si.ng, first.toPrevious),
-                                              first.toPrevious, kInfinity}, si) && si.shape->emitter.get() == light;
+                                              first.toPrevious, kInfinity},
+                                             si) &&
+                             si.shape->emitter.get() == light;
                 path.lightPoint = si;
                 path.lightPosition = si.p;
             }
@@ -326,9 +338,10 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
                 path.infinite = true;
                 path.toLight = eye.escapeDirection;
                 appendEye(path, e.size());
-                const double w = ratio(hitEnvironment(scene, n, eye.escapeFrom, eye.escapeDirection, eye.escapeThroughput,
-                                                      eye.escapeMis, eye.escapeDepth),
-                                       light->environmentRadiance(eye.escapeDirection) * eye.escapeThroughput);
+                const double w =
+                    ratio(hitEnvironment(scene, n, eye.escapeFrom, eye.escapeDirection, eye.escapeThroughput,
+                                         eye.escapeMis, eye.escapeDepth),
+                          light->environmentRadiance(eye.escapeDirection) * eye.escapeThroughput);
                 check("hit", 0, path, w);
             }
             for (size_t j = 1; j < e.size(); ++j) {
@@ -343,7 +356,8 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
                 check("hit", 0, path, ratio(hitLight(scene, n, e[j]), all));
             }
         }
-        // nee: the light-side term of the weight remains when the history is taken away, so that it is put back by hand.
+        // nee: the light-side term of the weight remains when the history is taken away, so that it is put
+        // back by hand.
         for (size_t j = 0; j < e.size() && j < 3 && checked["nee"] < kWanted; ++j) {
             if (!e[j].bsdf().hasSmoothLobe()) continue;
             const Vec2f u = rng.next2D();
@@ -371,7 +385,8 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
             check("splat", static_cast<int>(j) + 2, path,
                   ratio(weighted, connectToCamera(scene, n, l[j], Vec2f(0.5f), false, raster)));
         }
-        // connect and merge; the two vertices of a merge are moved onto each other, so that the path is one path
+        // connect and merge; the two vertices of a merge are moved onto each other, so that the path is one
+        // path
         for (size_t a = 0; a < l.size() && a < 3; ++a)
             for (size_t b = 0; b < e.size() && b < 3; ++b) {
                 if (!l[a].bsdf().hasSmoothLobe() || !e[b].bsdf().hasSmoothLobe()) continue;
@@ -383,7 +398,8 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
                         appendLight(path, a + 1);
                         appendEye(path, b + 1);
                         check("connect", static_cast<int>(a) + 2, path,
-                              ratio(weighted, connectVertices(scene, alone, withoutHistory(l[a]), withoutHistory(e[b]))));
+                              ratio(weighted, connectVertices(scene, alone, withoutHistory(l[a]),
+                                                              withoutHistory(e[b]))));
                     }
                 }
             }
@@ -410,8 +426,8 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
                 const VertexScattering s = scatterEye(e[b - 1], -joined.toPrevious);
                 if (!(s.pdfForward > 0)) continue;
                 joined.mis = e[b - 1].mis;
-                joined.mis.scatter(n, absDot(joined.toPrevious, e[b - 1].si.ng), s.pdfForward, s.pdfReverse, false,
-                                   e[b - 1].mergeShare);
+                joined.mis.scatter(n, absDot(joined.toPrevious, e[b - 1].si.ng), s.pdfForward, s.pdfReverse,
+                                   false, e[b - 1].mergeShare);
             }
             joined.mergeShare = b == 0 ? 1.0f : static_cast<float>(n.mergeShare(joined.si.p));
             joined.mis.arrive(d2, cosine);
@@ -420,11 +436,14 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
             FullPath path;
             appendLight(path, a + 1);
             appendEye(path, b);
-            check("merge", static_cast<int>(a) + 1, path,
-                  ratio(weighted, mergeVertices(aloneMerge, withoutHistory(l[a]), withoutHistory(joined), 1)));
+            check(
+                "merge", static_cast<int>(a) + 1, path,
+                ratio(weighted, mergeVertices(aloneMerge, withoutHistory(l[a]), withoutHistory(joined), 1)));
         }
-        bool enough = checked["nee"] >= kWanted && checked["splat"] >= kWanted && checked["connect"] >= kWanted;
-        enough = enough && (light->isDelta() || checked["hit"] >= kWanted) && (!merging || checked["merge"] >= kWanted);
+        bool enough =
+            checked["nee"] >= kWanted && checked["splat"] >= kWanted && checked["connect"] >= kWanted;
+        enough = enough && (light->isDelta() || checked["hit"] >= kWanted) &&
+                 (!merging || checked["merge"] >= kWanted);
         if (enough) break;
     }
     for (const auto& [name, count] : checked) {
@@ -443,8 +462,9 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllLights, MisOracle,
-                         ::testing::Combine(::testing::Values(Lighting::Area, Lighting::SphereArea, Lighting::Point,
-                                                              Lighting::Directional, Lighting::Constant),
+                         ::testing::Combine(::testing::Values(Lighting::Area, Lighting::SphereArea,
+                                                              Lighting::Point, Lighting::Directional,
+                                                              Lighting::Constant),
                                             ::testing::Bool()));
 
 }  // namespace

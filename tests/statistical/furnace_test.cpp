@@ -142,10 +142,11 @@ TEST_P(Furnace, ASphereLightInTheMiddleOfASphere) {
 }
 
 TEST(McmcVcm, NoPassIsDarkerOrBrighterThanTheOthers) {
-    // A target that changes with the eye vertices and shrinks with the radius: caustic light seen through glass, found by
-    // merging only. What was found by this test: 50 % (second pass, b_F of other weights), 17 % and 6 % (normalisations that
-    // lag behind the radius), 3 % (chains that start from states of the last target). What is left is the noise of b_V and
-    // b_F, which enter the weights: a part in their squared error, below 1 % here.
+    // A target that changes with the eye vertices and shrinks with the radius: caustic light seen through
+    // glass, found by merging only. What was found by this test: 50 % (second pass, b_F of other weights), 17
+    // % and 6 % (normalisations that lag behind the radius), 3 % (chains that start from states of the last
+    // target). What is left is the noise of b_V and b_F, which enter the weights: a part in their squared
+    // error, below 1 % here.
     constexpr int kPasses = 16;
     constexpr double kAllowedBias = 0.01;
     SceneBuilder b;

@@ -1,16 +1,18 @@
 #pragma once
-/// Comparison of images by the means of blocks over independent seeds. The scatter between seeds is the only source of
-/// error estimates, so that they hold for correlated samples (Markov chains, shared light subpaths) and for filters.
+/// Comparison of images by the means of blocks over independent seeds. The scatter between seeds is the only
+/// source of error estimates, so that they hold for correlated samples (Markov chains, shared light subpaths)
+/// and for filters.
+
+#include <boost/math/distributions/students_t.hpp>
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <vector>
 
 namespace metrolux::test {
 
-/// Means and variances over seeds of each colour channel of each block of an image. Blocks at the right and lower edges
-/// take what is left.
+/// Means and variances over seeds of each colour channel of each block of an image. Blocks at the right and
+/// lower edges take what is left.
 class BlockStatistics {
   public:
     BlockStatistics(int width, int height, int columns, int rows)
@@ -86,7 +88,8 @@ struct WelchResult {
 };
 
 /// Two-sided test that two means are equal, with unequal variances [Welch 1947]. Both zero: p = 1.
-inline WelchResult welch(double meanA, double varianceA, double dofA, double meanB, double varianceB, double dofB) {
+inline WelchResult welch(double meanA, double varianceA, double dofA, double meanB, double varianceB,
+                         double dofB) {
     WelchResult r;
     r.difference = meanA - meanB;
     const double variance = varianceA + varianceB;
@@ -94,12 +97,13 @@ inline WelchResult welch(double meanA, double varianceA, double dofA, double mea
     if (variance <= 0) return r;
     r.degreesOfFreedom = variance * variance / (varianceA * varianceA / dofA + varianceB * varianceB / dofB);
     const boost::math::students_t distribution(r.degreesOfFreedom);
-    r.pValue = 2 * boost::math::cdf(boost::math::complement(distribution, std::abs(r.difference) / r.standardError));
+    r.pValue =
+        2 * boost::math::cdf(boost::math::complement(distribution, std::abs(r.difference) / r.standardError));
     return r;
 }
 
-/// Level of each of n tests such that all together err with probability `familyRate` when they are independent (Sidak);
-/// less when they are positively correlated, as neighbouring blocks and colours are.
+/// Level of each of n tests such that all together err with probability `familyRate` when they are
+/// independent (Sidak); less when they are positively correlated, as neighbouring blocks and colours are.
 inline double sidak(double familyRate, double n) { return -std::expm1(std::log1p(-familyRate) / n); }
 
 }  // namespace metrolux::test

@@ -1,14 +1,14 @@
 #pragma once
 /// Scene files rendered inside a test: an integrator, a number of passes, a seed.
 
-#include <ctime>
-#include <filesystem>
-#include <memory>
-
 #include "base/parallel.h"
 #include "integrators/integrator.h"
 #include "integrators/iteration.h"
 #include "io/scene_loader.h"
+
+#include <ctime>
+#include <filesystem>
+#include <memory>
 
 namespace metrolux::test {
 
@@ -18,8 +18,10 @@ class RenderableScene {
     explicit RenderableScene(const std::filesystem::path& file, const LoadOptions& options = {})
         : RenderableScene(loadScene(file, options)) {}
 
-    /// Mean of `passes` passes, 3 floats a pixel. `radiusFactor`: merging radius as a multiple of the default.
-    std::vector<float> render(const std::string& integrator, int passes, uint64_t seed, double radiusFactor = 1) const {
+    /// Mean of `passes` passes, 3 floats a pixel. `radiusFactor`: merging radius as a multiple of the
+    /// default.
+    std::vector<float> render(const std::string& integrator, int passes, uint64_t seed,
+                              double radiusFactor = 1) const {
         IntegratorOptions options;
         options.seed = seed;
         options.limits = limits_;
@@ -35,10 +37,11 @@ class RenderableScene {
     int height() const { return scene_->camera().window().height; }
     int pixelCount() const { return width() * height(); }
     /// The same for seeds first, first + 1 ..., which share the processors.
-    std::vector<std::vector<float>> renderSeeds(const std::string& integrator, int passes, uint64_t first, int count,
-                                                double radiusFactor) const {
+    std::vector<std::vector<float>> renderSeeds(const std::string& integrator, int passes, uint64_t first,
+                                                int count, double radiusFactor) const {
         std::vector<std::vector<float>> images(count);
-        parallelFor(count, [&](size_t i) { images[i] = render(integrator, passes, first + i, radiusFactor); });
+        parallelFor(count,
+                    [&](size_t i) { images[i] = render(integrator, passes, first + i, radiusFactor); });
         return images;
     }
     /// Number of edges of the longest path; -1: no limit.

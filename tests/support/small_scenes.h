@@ -1,14 +1,14 @@
 #pragma once
 /// Scenes made in code for tests of transport: no files, no loader.
 
-#include <functional>
-
 #include "endpoint/lights.h"
 #include "scattering/dielectric.h"
 #include "scattering/diffuse.h"
 #include "scattering/rough_conductor.h"
 #include "scattering/textures/constant.h"
 #include "scene/scene.h"
+
+#include <functional>
 
 namespace metrolux::test {
 

@@ -1,8 +1,9 @@
 /// The estimator of mcmc_vcm on a toy: three replicas, exchange, expected-value weights and the mixture
 /// weight
 ///     W(u) = 1 / (n_U + n_V V(u) / (g b_V) + n_F F(u) / (g b_F))
-/// (W/g for steps of chains) with the exact b_V and b_F is unbiased in each pixel. Lanes are independent: a t-test over lanes is exact.
-/// It is the order of steps of McmcVcmIntegrator::runLane, on values that can be integrated by hand.
+/// (W/g for steps of chains) with the exact b_V and b_F is unbiased in each pixel. Lanes are independent: a
+/// t-test over lanes is exact. It is the order of steps of McmcVcmIntegrator::runLane, on values that can be
+/// integrated by hand.
 
 #include "markov/chain.h"
 #include "markov/replica_mixture.h"
@@ -73,10 +74,8 @@ Reference reference() {
 class Lane {
   public:
     Lane(uint64_t seed, Kind kind, const Reference& b, double inefficiency, double steps)
-        : rng_(seed),
-          v_({}, kind),
-          f_({}, kind),
-          mix_{steps, steps, steps, b.bVisibility, b.bContribution, inefficiency} {
+        : rng_(seed), v_({}, kind), f_({}, kind), mix_{steps,         steps,           steps,
+                                                       b.bVisibility, b.bContribution, inefficiency} {
         const double largest = 250;
         do v_.state().u = {rng_.next1D(), rng_.next1D()};
         while (!evaluateAt(v_.state().u[0], v_.state().u[1]).visible());
@@ -138,7 +137,8 @@ class Lane {
 };
 
 /// Smallest p-value over pixels that the lanes' mean is the reference.
-double pValue(Kind kind, const Reference& truth, const Reference& b, double inefficiency, int burnIn, uint64_t seed) {
+double pValue(Kind kind, const Reference& truth, const Reference& b, double inefficiency, int burnIn,
+              uint64_t seed) {
     constexpr int kLanes = 1500, kSteps = 200;
     Pixels sum{}, squares{};
     for (int lane = 0; lane < kLanes; ++lane) {
@@ -167,8 +167,10 @@ TEST(ReplicaMixture, IsUnbiasedWithTheExactNormalisations) {
     const Reference truth = reference();
     for (const uint64_t seed : {1, 2, 3})
         for (const double inefficiency : {1.0, 4.0}) {
-            EXPECT_GT(pValue(Kind::Kelemen, truth, truth, inefficiency, 0, seed), test::kLevel) << inefficiency;
-            EXPECT_GT(pValue(Kind::Adaptive, truth, truth, inefficiency, 500, seed), test::kLevel) << inefficiency;
+            EXPECT_GT(pValue(Kind::Kelemen, truth, truth, inefficiency, 0, seed), test::kLevel)
+                << inefficiency;
+            EXPECT_GT(pValue(Kind::Adaptive, truth, truth, inefficiency, 500, seed), test::kLevel)
+                << inefficiency;
         }
 }
 

@@ -88,7 +88,8 @@ TEST(Normalisation, IsRightOnAverageAndKnowsItsError) {
 }
 
 TEST(Normalisation, FollowsAPowerOfTheRadius) {
-    // r^2 ~ i^-1/4 as [HPJ12] has it; V ~ r^2, mean of F over it ~ 1 / r^2. Counts are their expectations: no noise.
+    // r^2 ~ i^-1/4 as [HPJ12] has it; V ~ r^2, mean of F over it ~ 1 / r^2. Counts are their expectations: no
+    // noise.
     Normalisation n;
     constexpr int kIterations = 1000;  // more than the records that are kept apart
     constexpr int kSamples = 100000;
@@ -129,7 +130,8 @@ TEST(Normalisation, ForgetsSizesButNotWhatWasVisible) {
 
 TEST(Normalisation, FitTrend) {
     std::vector<TrendPoint> points;
-    for (const double x : {0.0, -0.1, -0.3, -0.35}) points.push_back({x, 50, 50 * std::exp(-1 + 0.7 * x), 1 - x});
+    for (const double x : {0.0, -0.1, -0.3, -0.35})
+        points.push_back({x, 50, 50 * std::exp(-1 + 0.7 * x), 1 - x});
     EXPECT_NEAR(fitTrend(points, -0.5, 0, 1), std::exp(-1.35), 1e-8);
     // At the bound the ratio of the sums decides.
     double count = 0, exposure = 0;

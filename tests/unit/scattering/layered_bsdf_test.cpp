@@ -97,7 +97,8 @@ TEST(RoughPlastic, TendsToSmoothPlastic) {
     const BsdfPtr a = makeRoughPlastic(rough), b = makePlastic(smooth);
     const Vec3f eye = direction(0.7f, 0), light = direction(0.5f, 0.4f);  // far from the mirror direction
     const float diffuse = a->evaluate(flatInteraction(), eye, light).value.x;
-    // Mitsuba's quadrature of the internal reflectance, which is kept, is 1.5 % low: the base is 2.7 % darker.
+    // Mitsuba's quadrature of the internal reflectance, which is kept, is 1.5 % low: the base is 2.7 %
+    // darker.
     EXPECT_NEAR(diffuse, b->evaluate(flatInteraction(), eye, light).value.x, 0.04f * diffuse);
 }
 

@@ -1,9 +1,9 @@
 #include "transport/photon_density.h"
 
-#include <gtest/gtest.h>
-
 #include "base/rng.h"
 #include "transport/mis.h"
+
+#include <gtest/gtest.h>
 
 namespace metrolux {
 namespace {

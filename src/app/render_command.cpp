@@ -140,13 +140,15 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->option_text("NAME")
         ->check(CLI::IsMember({"kelemen", "adaptive"}))
         ->group(group);
-    app.add_option(
-           "--chain-inefficiency", integrator.chainInefficiency,
-           "mcmc_vcm: steps of a chain that are worth an independent sample in the weights (default 4)")
-        ->check(CLI::Range(1.0, 1e6));
+    app.add_option("--chain-inefficiency", integrator.chainInefficiency,
+                   "mcmc_vcm: steps of a chain that count as one independent sample in the weights (default: "
+                   "4); changes noise, not brightness")
+        ->option_text("G")
+        ->check(CLI::Range(1.0, 1e6))
+        ->group(group);
     app.add_flag("!--no-correlation-aware", integrator.correlationAware,
-                 "vcm, mcmc_vcm: plain balance heuristic, in which merges that share an eye vertex count as "
-                 "independent");
+                 "vcm, mcmc_vcm: weigh merges that share an eye vertex as if they were independent")
+        ->group(group);
     app.add_option("--lanes", integrator.lanes, "mcmc_vcm: number of independent sets of chains")
         ->option_text("N")
         ->check(wholeNumber(1, 1 << 20))

@@ -3,6 +3,7 @@
 #include "scattering/textures/bitmap_texture.h"
 #include "scattering/textures/constant.h"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,7 +14,9 @@ namespace metrolux::test {
 struct LightCase {
     std::string name;
     LightPtr light;
-    ShapePtr shape;  ///< of an area light
+    ShapePtr shape = nullptr;  ///< of an area light
+    /// Makes the light where that takes a while: every test program lists all cases, few need this one.
+    std::function<LightPtr()> later = {};
 };
 
 inline const SceneBounds kBounds{Vec3f(0.4f, -0.2f, 0.3f), 3.0f};
@@ -78,7 +81,7 @@ inline SunSkyParameters sunOnly() {
 }
 
 inline LightCase areaCase(const std::string& name, ShapePtr shape, TexturePtr radiance) {
-    return {name, makeAreaLight({shape.get(), std::move(radiance)}), shape};
+    return {name, makeAreaLight({shape.get(), std::move(radiance)}), shape, {}};
 }
 
 inline std::vector<LightCase> allLights() {
@@ -96,21 +99,27 @@ inline std::vector<LightCase> allLights() {
         areaCase("disk", makeDisk(stretched, false), constant),
         areaCase("cylinder", makeCylinder(tilted(), {0, 0, -0.4f}, {0, 0.1f, 0.5f}, 0.3f, false), constant),
         areaCase("cube", makeCube(tilted() * Transform::scale({0.4f, 0.3f, 0.2f}), false), constant),
-        {"point", makePointLight({{0.1f, 0.7f, -0.4f}, {4, 3, 2}}), nullptr},
-        {"spot", makeSpotLight({tilted(), {4, 3, 2}, 40, 25, nullptr}), nullptr},
-        {"textured spot", makeSpotLight({tilted(), {4, 3, 2}, 50, 10, patchyTexture(false)}), nullptr},
-        {"wide spot", makeSpotLight({tilted(), {4, 3, 2}, 150, 150, nullptr}), nullptr},
-        {"projector", makeProjector({tilted(), patchyTexture(false), 1.5f, 0.6f, 4.0f / 3}), nullptr},
-        {"directional", makeDirectionalLight({{0.3f, -2, 0.5f}, {4, 3, 2}}), nullptr},
-        {"constant", makeConstantLight({{3, 2, 1}}), nullptr},
-        {"environment map", makeEnvironmentMap(patchyEnvironment()), nullptr},
-        {"collimated", makeCollimatedLight({tilted(), {4, 3, 2}}), nullptr},
-        {"sun and sky", makeSunSky(wideSun()), nullptr},
-        {"sky", makeSunSky(skyOnly()), nullptr},
-        {"sun", makeSunSky(sunOnly()), nullptr},
+        {"point", makePointLight({{0.1f, 0.7f, -0.4f}, {4, 3, 2}}), nullptr, {}},
+        {"spot", makeSpotLight({tilted(), {4, 3, 2}, 40, 25, nullptr}), nullptr, {}},
+        {"textured spot", makeSpotLight({tilted(), {4, 3, 2}, 50, 10, patchyTexture(false)}), nullptr, {}},
+        {"wide spot", makeSpotLight({tilted(), {4, 3, 2}, 150, 150, nullptr}), nullptr, {}},
+        {"projector", makeProjector({tilted(), patchyTexture(false), 1.5f, 0.6f, 4.0f / 3}), nullptr, {}},
+        {"directional", makeDirectionalLight({{0.3f, -2, 0.5f}, {4, 3, 2}}), nullptr, {}},
+        {"constant", makeConstantLight({{3, 2, 1}}), nullptr, {}},
+        {"environment map", makeEnvironmentMap(patchyEnvironment()), nullptr, {}},
+        {"collimated", makeCollimatedLight({tilted(), {4, 3, 2}}), nullptr, {}},
+        {"sun and sky", nullptr, nullptr, [] { return makeSunSky(wideSun()); }},
+        {"sky", nullptr, nullptr, [] { return makeSunSky(skyOnly()); }},
+        {"sun", nullptr, nullptr, [] { return makeSunSky(sunOnly()); }},
     };
-    for (LightCase& c : cases) c.light->setSceneBounds(kBounds);
     return cases;
+}
+
+inline LightCase lightCase(int index) {
+    LightCase c = allLights()[static_cast<size_t>(index)];
+    if (c.later) c.light = c.later();
+    c.light->setSceneBounds(kBounds);
+    return c;
 }
 
 }  // namespace metrolux::test

@@ -18,7 +18,7 @@ std::vector<Vec3f> receivers() {
 
 class EveryLight : public ::testing::TestWithParam<int> {
   protected:
-    LightCase c = test::allLights()[static_cast<size_t>(GetParam())];
+    LightCase c = test::lightCase(GetParam());
     const Light& light = *c.light;
     CounterRng rng{hashKey(2024, GetParam())};
 };

@@ -3,7 +3,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 BUILD := build
 PACKAGES := $(shell cat packages.txt)
 
-.PHONY: demo test setup build debug-test gallery format tidy clean
+.PHONY: demo test test-conformance setup build debug-test gallery format tidy clean
 
 setup:
 	@dpkg-query -W -f='$${Status}\n' $(PACKAGES) 2>/dev/null | grep -c '^install ok installed$$' | \
@@ -18,7 +18,11 @@ demo: build
 	$(BUILD)/metrolux render scenes/door-ajar/scene.xml --time 60s -o demo.exr -o demo.png
 
 test: build
-	ctest --preset release -j 2
+	ctest --preset release -j 2 -LE conformance
+
+# Mitsuba's own render tests, of ../shared/conformance.
+test-conformance: build
+	ctest --preset release -L conformance
 
 debug-test: setup
 	cmake --preset debug

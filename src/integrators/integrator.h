@@ -14,11 +14,10 @@ namespace metrolux {
 struct IntegratorOptions {
     uint64_t seed = 0;
     PathLimits limits;
-    double radius = 0;          ///< first merging radius in scene units; 0: from the projected pixel size
-    double radiusAlpha = 0.75;  ///< [HPJ12] schedule
-    size_t memoryBytes = 0;     ///< bound for what a pass stores; 0: no bound
-    bool adaptiveKernel =
-        false;  ///< mcmc_vcm: the mutation of the supplement's eq. 4-5 in place of [Kel02]'s
+    double radius = 0;            ///< first merging radius in scene units; 0: from the projected pixel size
+    double radiusAlpha = 0.75;    ///< [HPJ12] schedule
+    size_t memoryBytes = 0;       ///< bound for what a pass stores; 0: no bound
+    bool adaptiveKernel = false;  ///< mutation of the supplement's eq. 4-5 in place of [Kel02]'s
     /// mcmc_vcm: statistical inefficiency g of the chains; a step counts as 1/g sample in all weights. Any
     /// value is unbiased.
     double chainInefficiency = 4;

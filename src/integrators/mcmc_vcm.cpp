@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <optional>
+#include <memory>
 
 namespace metrolux {
 
@@ -58,10 +58,9 @@ struct Lane {
         State state;
     };
     std::vector<Early> early;
-    PrimarySample
-        lastVisible;  ///< the last visible uniform sample: replaces a chain's state that became invisible
-    State uniform, proposal;  ///< kept for their memory
-    uint64_t seeded = 0, swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
+    PrimarySample lastVisible;  ///< last visible uniform sample: replaces a state that became invisible
+    State uniform, proposal;    ///< kept for their memory
+    uint64_t swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
     Normalisation::Samples samples;
 };
 
@@ -83,7 +82,8 @@ class McmcVcmIntegrator final : public Integrator {
             throw Error("replicas: found nothing, expected a combination of the letters u, v, f");
         const auto kind =
             options.adaptiveKernel ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
-        if (options.correlationAware) photons_.emplace(kPhotonCell * radius_.radius());
+        if (options.correlationAware)
+            photons_ = std::make_unique<PhotonDensity>(kPhotonCell * radius_.radius());
         for (int i = 0; i < laneCount(); ++i) lanes_.emplace_back(options.seed, i, kind);
     }
 
@@ -101,14 +101,23 @@ class McmcVcmIntegrator final : public Integrator {
     std::string progressNote() const override;
 
   private:
-    /// A fixed number that depends on the image only: chains that are long enough in an iteration to follow
-    /// its targets, and enough of them for many threads.
+    /// A fixed number that depends on the image only: chains that take some thousand steps from their start
+    /// in each iteration, and enough of them for many threads.
     int laneCount() const {
         constexpr int kStepsPerIteration = 1024, kFewest = 8, kMost = 64;
         if (options_.lanes > 0) return options_.lanes;
         const int samples = static_cast<int>(partition_.pixels(0).size());
         return std::clamp(samples / (3 * kStepsPerIteration), kFewest, kMost);
     }
+
+    struct Acceptance {
+        uint64_t tried = 0, accepted = 0;
+        double theta = 0;  ///< mean over the lanes
+        double rate() const { return tried ? double(accepted) / double(tried) : 0; }
+    };
+    static const MutationKernel& visibilityKernel(const Lane& lane) { return lane.visibility.kernel(); }
+    static const MutationKernel& contributionKernel(const Lane& lane) { return lane.contribution.kernel(); }
+    Acceptance acceptance(const MutationKernel& (*kernelOf)(const Lane&)) const;
 
     void iterate(Film& film, std::span<const uint32_t> pixels, size_t first);
     ReplicaMixture mixture(size_t samples) const;
@@ -130,7 +139,7 @@ class McmcVcmIntegrator final : public Integrator {
     IntegratorOptions options_;
     PixelPartition partition_;
     RadiusSchedule radius_;
-    std::optional<PhotonDensity> photons_;
+    std::unique_ptr<PhotonDensity> photons_;  ///< null: not options.correlationAware
     bool useUniform_, useVisibility_, useContribution_;
     bool chainsSeeded_ = false, chainsReady_ = false;
     std::vector<Lane> lanes_;
@@ -170,7 +179,7 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
     ReplicaMixture mix = mixture(pixels.size());
     const double lambda = mix.samples() * mix.boost() / n;
     const Strategies strategies =
-        Strategies::bidirectional(lambda, n * std::numbers::pi * r * r, photons_ ? &*photons_ : nullptr);
+        Strategies::bidirectional(lambda, n * std::numbers::pi * r * r, photons_.get());
     const double filmShare = n / film.pixelCount();
 
     EyePass{scene_, options_.limits, strategies, options_.seed, film.passes()}.run(pixels, film, eyes_);
@@ -180,7 +189,7 @@ void McmcVcmIntegrator::iterate(Film& film, std::span<const uint32_t> pixels, si
     if (!chainsReady_) {
         std::vector<double> sizes;
         plainLightPass(pass, film, options_.seed, film.passes(), first, pixels.size(), filmShare, &sizes,
-                       photons_ ? &*photons_ : nullptr);
+                       photons_.get());
         if (photons_) photons_->endIteration(n);
         // Shared out among the lanes, so that the jackknife over lanes covers them.
         const size_t lanes = lanes_.size();
@@ -247,7 +256,6 @@ void McmcVcmIntegrator::seedChains(uint32_t pass, size_t first, const std::vecto
         const size_t chosen = bySize.sample(u);
         regenerate(chosen, lane.contribution.state().u);
         lane.lastVisible = lane.visibility.state().u;
-        ++lane.seeded;
     }
     chainsSeeded_ = true;
 }
@@ -257,7 +265,7 @@ void McmcVcmIntegrator::uniformSample(Lane& lane, const LightPass& pass) {
     u.u.clear();
     u.weight = 0;
     PrimarySampleStream stream(u.u, lane.rng);
-    pass.evaluate(stream, u.value.splats, photons_ ? &*photons_ : nullptr);
+    pass.evaluate(stream, u.value.splats, photons_.get());
     u.value.size = u.value.splats.size();
     lane.samples.addUniform(u.value.size);
     if (u.value.visible()) lane.lastVisible = u.u;
@@ -274,8 +282,7 @@ size_t McmcVcmIntegrator::takeEarlySamples(const LightPass& pass, size_t steps) 
             for (size_t step = taken; step < end; ++step) {
                 uniformSample(lanes_[i], pass);
                 if (!lanes_[i].uniform.value.visible()) continue;
-                lanes_[i].early.push_back({step, std::move(lanes_[i].uniform)});
-                lanes_[i].uniform = {};
+                lanes_[i].early.push_back({step, std::exchange(lanes_[i].uniform, {})});
             }
         });
         taken = end;
@@ -387,9 +394,8 @@ void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const Replica
             if (v.value.visible()) lane.samples.addVisibility(v.value.size);
         }
         if (useContribution_) {
-            // These samples do not enter the normalisations: each iteration has a target of its own, which
-            // short chains follow with a delay, and b_F estimated from them would feed that back into their
-            // weight.
+            // These samples do not enter the normalisations: b_F estimated from them would feed what short
+            // chains have not yet found back into their weight.
             ContributionChain& chain = lane.contribution;
             const double a = chain.propose(evaluateHere, lane.proposal, lane.rng);
             lane.proposal.weight = a * mix.contributionWeight(lane.proposal.value.size);
@@ -406,65 +412,57 @@ void McmcVcmIntegrator::runLane(Lane& lane, const LightPass& pass, const Replica
     payOut(lane.contribution.state(), film, filmShare);
 }
 
-nlohmann::json McmcVcmIntegrator::statistics() const {
-    uint64_t tried[2] = {}, accepted[2] = {}, swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
-    double theta[2] = {};
+McmcVcmIntegrator::Acceptance McmcVcmIntegrator::acceptance(
+    const MutationKernel& (*kernelOf)(const Lane&)) const {
+    Acceptance sum;
     for (const Lane& lane : lanes_) {
-        const MutationKernel* kernels[2] = {&lane.visibility.kernel(), &lane.contribution.kernel()};
-        for (int k = 0; k < 2; ++k) {
-            tried[k] += kernels[k]->tried();
-            accepted[k] += kernels[k]->accepted();
-            theta[k] += kernels[k]->theta() / double(lanes_.size());
-        }
+        const MutationKernel& kernel = kernelOf(lane);
+        sum.tried += kernel.tried();
+        sum.accepted += kernel.accepted();
+        sum.theta += kernel.theta() / double(lanes_.size());
+    }
+    return sum;
+}
+
+nlohmann::json McmcVcmIntegrator::statistics() const {
+    uint64_t swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
+    for (const Lane& lane : lanes_) {
         swapsTried += lane.swapsTried;
         swapsMade += lane.swapsMade;
         uniformSwaps += lane.uniformSwaps;
         replaced += lane.replaced;
     }
-    const auto share = [](uint64_t a, uint64_t b) { return b ? double(a) / double(b) : 0.0; };
+    const auto chain = [](const Acceptance& a) {
+        return nlohmann::json{
+            {"tried", a.tried}, {"accepted", a.accepted}, {"acceptance", a.rate()}, {"theta_mean", a.theta}};
+    };
     const auto estimate = [](const Estimate& e) {
         nlohmann::json j{{"value", e.value}};
         if (std::isfinite(e.standardError)) j["standard_error"] = e.standardError;
         return j;
     };
-    return {
-        {"radius", radius_.radius()},
-        {"parts", partition_.parts()},
-        {"bytes_per_vertex", sizeof(Vertex)},
-        {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes()},
-        {"lanes", lanes_.size()},
-        {"replicas", options_.replicas},
-        {"chain_inefficiency", options_.chainInefficiency},
-        {"kernel", options_.adaptiveKernel ? "adaptive" : "kelemen"},
-        {"b_v", estimate(normalisation_.visibilityEstimate())},
-        {"b_f", estimate(normalisation_.contributionEstimate())},
-        {"visibility_chain",
-         {{"tried", tried[0]},
-          {"accepted", accepted[0]},
-          {"acceptance", share(accepted[0], tried[0])},
-          {"theta_mean", theta[0]}}},
-        {"contribution_chain",
-         {{"tried", tried[1]},
-          {"accepted", accepted[1]},
-          {"acceptance", share(accepted[1], tried[1])},
-          {"theta_mean", theta[1]}}},
-        {"exchange_visibility_contribution", {{"tried", swapsTried}, {"rate", share(swapsMade, swapsTried)}}},
-        {"exchange_uniform_visibility", uniformSwaps},
-        {"states_replaced", replaced}};
+    return {{"radius", radius_.radius()},
+            {"parts", partition_.parts()},
+            {"bytes_per_vertex", sizeof(Vertex)},
+            {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes()},
+            {"lanes", lanes_.size()},
+            {"replicas", options_.replicas},
+            {"chain_inefficiency", options_.chainInefficiency},
+            {"kernel", options_.adaptiveKernel ? "adaptive" : "kelemen"},
+            {"b_v", estimate(normalisation_.visibilityEstimate())},
+            {"b_f", estimate(normalisation_.contributionEstimate())},
+            {"visibility_chain", chain(acceptance(visibilityKernel))},
+            {"contribution_chain", chain(acceptance(contributionKernel))},
+            {"exchange_visibility_contribution",
+             {{"tried", swapsTried}, {"rate", swapsTried ? double(swapsMade) / double(swapsTried) : 0.0}}},
+            {"exchange_uniform_visibility", uniformSwaps},
+            {"states_replaced", replaced}};
 }
 
 std::string McmcVcmIntegrator::progressNote() const {
     if (!chainsSeeded_) return "no visible light subpath yet";
-    uint64_t tried[2] = {}, accepted[2] = {};
-    for (const Lane& lane : lanes_) {
-        tried[0] += lane.visibility.kernel().tried();
-        accepted[0] += lane.visibility.kernel().accepted();
-        tried[1] += lane.contribution.kernel().tried();
-        accepted[1] += lane.contribution.kernel().accepted();
-    }
-    const auto share = [&](int k) { return tried[k] ? double(accepted[k]) / double(tried[k]) : 0.0; };
-    return fmt::format("acceptance V {:.2f} F {:.2f}, b_V {:.2g}", share(0), share(1),
-                       normalisation_.visibility());
+    return fmt::format("acceptance V {:.2f} F {:.2f}, b_V {:.2g}", acceptance(visibilityKernel).rate(),
+                       acceptance(contributionKernel).rate(), normalisation_.visibility());
 }
 
 }  // namespace

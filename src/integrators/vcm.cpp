@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <optional>
+#include <memory>
 
 namespace metrolux {
 
@@ -18,7 +18,8 @@ class VcmIntegrator final : public Integrator {
           merge_(merge),
           partition_(scene.camera().window(), options),
           radius_(merge ? projectedPixelRadius(scene, options) : 0, options.radiusAlpha) {
-        if (merge && options.correlationAware) photons_.emplace(kPhotonCell * radius_.radius());
+        if (merge && options.correlationAware)
+            photons_ = std::make_unique<PhotonDensity>(kPhotonCell * radius_.radius());
     }
 
     void renderPass(Film& film) override {
@@ -26,8 +27,8 @@ class VcmIntegrator final : public Integrator {
         for (int part = 0; part < partition_.parts(); ++part) {
             const std::span<const uint32_t> pixels = partition_.pixels(part);
             const double n = double(pixels.size()), r = radius_.radius();
-            const Strategies strategies = Strategies::bidirectional(
-                1, merge_ ? n * std::numbers::pi * r * r : 0, photons_ ? &*photons_ : nullptr);
+            const Strategies strategies =
+                Strategies::bidirectional(1, merge_ ? n * std::numbers::pi * r * r : 0, photons_.get());
             EyePass{scene_, options_.limits, strategies, options_.seed, film.passes()}.run(pixels, film,
                                                                                            eyes_);
             if (merge_) grid_.build(eyes_.all(), static_cast<float>(r));
@@ -35,7 +36,7 @@ class VcmIntegrator final : public Integrator {
             LightPass pass{scene_, options_.limits, strategies, eyes_, grid_, film};
             pass.merge = merge_;
             plainLightPass(pass, film, options_.seed, film.passes(), first, pixels.size(),
-                           n / film.pixelCount(), nullptr, photons_ ? &*photons_ : nullptr);
+                           n / film.pixelCount(), nullptr, photons_.get());
             if (photons_) photons_->endIteration(n);
             first += pixels.size();
         }
@@ -57,7 +58,7 @@ class VcmIntegrator final : public Integrator {
     bool merge_;
     PixelPartition partition_;
     RadiusSchedule radius_;
-    std::optional<PhotonDensity> photons_;
+    std::unique_ptr<PhotonDensity> photons_;
     EyeVertices eyes_;
     VertexGrid grid_;
 };

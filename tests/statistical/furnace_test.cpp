@@ -82,14 +82,20 @@ TEST_P(Furnace, AGlassSphereVanishes) {
     expect(b, 1, "");
 }
 
-TEST_P(Furnace, AWhiteSphereInGlassVanishes) {
-    // All paths are white and end in the sky, most through glass: by hits and merges.
-    if (std::string(GetParam()) == "light")
-        GTEST_SKIP() << "light tracing does not see through what is specular";
+/// A white sphere in a shell of glass under a white sky. All paths end in the sky, most through glass: they
+/// are found by hits and merges.
+SceneBuilder whiteSphereInGlass() {
     SceneBuilder b;
     b.add(makeSphere(Transform(), {0, 0, 0}, 1, false), diffuse(1));
     b.add(makeSphere(Transform(), {0, 0, 0}, 1.1f, false), makeDielectric({}));
     b.light(makeConstantLight({}));
+    return b;
+}
+
+TEST_P(Furnace, AWhiteSphereInGlassVanishes) {
+    if (std::string(GetParam()) == "light")
+        GTEST_SKIP() << "light tracing does not see through what is specular";
+    SceneBuilder b = whiteSphereInGlass();
     camera(b, {0.2f, 0.3f, 2.5f}, {0, 0, 0}, 25);
     expect(b, 1, "");
 }
@@ -145,14 +151,11 @@ TEST(McmcVcm, NoPassIsDarkerOrBrighterThanTheOthers) {
     // A target that changes with the eye vertices and shrinks with the radius: caustic light seen through
     // glass, found by merging only. What was found by this test: 50 % (second pass, b_F of other weights), 17
     // % and 6 % (normalisations that lag behind the radius), 3 % (chains that start from states of the last
-    // target). What is left is the noise of b_V and b_F, which enter the weights: a part in their squared
-    // error, below 1 % here.
+    // target). With start-up weights (ReplicaMixture) nothing is left that is known: +0.2 % +- 0.2 % over 64
+    // passes and 16 seeds. The allowance is a fifth of the smallest of those errors that a user would see.
     constexpr int kPasses = 16;
     constexpr double kAllowedBias = 0.01;
-    SceneBuilder b;
-    b.add(makeSphere(Transform(), {0, 0, 0}, 1, false), diffuse(1));
-    b.add(makeSphere(Transform(), {0, 0, 0}, 1.1f, false), makeDielectric({}));
-    b.light(makeConstantLight({}));
+    SceneBuilder b = whiteSphereInGlass();
     b.camera({0.2f, 0.3f, 2.5f}, {0, 0, 0}, 25, 64, 64);
     const std::shared_ptr<Scene> scene = b.build();
     const std::pair<int, int> groups[] = {{0, 1}, {1, 2}, {2, 6}, {6, kPasses}};

@@ -15,7 +15,7 @@ build: setup
 	cmake --build --preset release
 
 demo: build
-	$(BUILD)/metrolux render scenes/door-ajar/scene.xml --time 60s -o demo.exr -o demo.png
+	$(BUILD)/metrolux render scenes/water-sds/scene.xml --time 60s -o demo.exr -o demo.png
 
 test: build
 	ctest --preset release -j 2 -LE conformance

@@ -18,7 +18,7 @@ demo: build
 	$(BUILD)/metrolux render scenes/water-sds/scene.xml --time 60s -o demo.exr -o demo.png
 
 test: build
-	ctest --preset release -j 2 -LE conformance
+	ctest --preset release -j 2
 
 # Mitsuba's own render tests, of ../shared/conformance.
 test-conformance: build

@@ -15,8 +15,8 @@
 /// changes.
 ///
 /// Merging blurs over its radius. The radius here is half the default: `vcm` with radii of 1/2 and 1/4 of the
-/// default and the same seeds differ by less than 1 % of the image mean in all scenes (table in
-/// docs/conformance.md); bias within a block is what the test would report as a disagreement with path and
+/// default and the same seed differ by less than 1 % of the image mean wherever noise lets it be told (table
+/// in docs/conformance.md); bias within a block is what the test would report as a disagreement with path and
 /// bdpt.
 
 #include "support/block_statistics.h"

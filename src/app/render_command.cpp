@@ -136,9 +136,14 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->option_text("uvf")
         ->group(group);
     app.add_option("--kernel", a.kernel,
-                   "mcmc_vcm: mutation, `kelemen` (default) or `adaptive` (the paper's, larger steps)")
+                   "Chains: mutation, `kelemen` (default) or `adaptive` (the paper's, larger steps)")
         ->option_text("NAME")
         ->check(CLI::IsMember({"kelemen", "adaptive"}))
+        ->group(group);
+    app.add_option("--large-step", integrator.largeStep,
+                   "pssmlt, mmlt, pssmlt_merge: probability of a step to a uniform sample (default: 0.3)")
+        ->option_text("P")
+        ->check(CLI::Range(0.0, 1.0))
         ->group(group);
     app.add_option("--chain-inefficiency", integrator.chainInefficiency,
                    "mcmc_vcm: steps of a chain that count as one independent sample in the weights (default: "
@@ -149,7 +154,7 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
     app.add_flag("!--no-correlation-aware", integrator.correlationAware,
                  "vcm, mcmc_vcm: weigh merges that share an eye vertex as if they were independent")
         ->group(group);
-    app.add_option("--lanes", integrator.lanes, "mcmc_vcm: number of independent sets of chains")
+    app.add_option("--lanes", integrator.lanes, "Number of independent sets of chains")
         ->option_text("N")
         ->check(wholeNumber(1, 1 << 20))
         ->group(group);

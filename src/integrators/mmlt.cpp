@@ -18,7 +18,6 @@ constexpr int kLongPaths = 14;
 constexpr double kContinuation = 0.75;
 /// Share of the samples that is spread evenly over lengths, whatever the first samples say of them.
 constexpr double kEvenShare = 0.1;
-constexpr size_t kSteeringSamples = 4096, kPoolSamples = 8192;
 
 class MmltIntegrator final : public Integrator {
   private:
@@ -47,10 +46,7 @@ class MmltIntegrator final : public Integrator {
         const int maxDepth = options.limits.maxDepth;
         const int longest = maxDepth < 0 ? kLongPaths : std::min(maxDepth, kLongPaths);
         for (int length = 2; length <= longest; ++length) {
-            MetropolisOptions o = pathSamplerOptions(options, pixels_.size() / 4, uint64_t(length));
-            o.steeringSamples = kSteeringSamples;
-            o.poolSamples = kPoolSamples;
-            samplers_.emplace_back(o);
+            samplers_.emplace_back(pathSamplerOptions(options, pixels_.size() / 8, uint64_t(length)));
         }
     }
 

@@ -24,6 +24,10 @@ MetropolisOptions pathSamplerOptions(const IntegratorOptions& options, size_t st
                        : static_cast<int>(std::clamp(stepsPerPass / kStepsPerPass, kFewest, kMost));
     result.kind = options.adaptiveKernel ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
     result.largeStep = options.largeStep;
+    // A few passes' worth: what is found before the first pass should not take much longer than it.
+    constexpr size_t kFewestSamples = 2048, kMostSamples = 16384;
+    result.poolSamples = std::clamp(4 * stepsPerPass, kFewestSamples, kMostSamples);
+    result.steeringSamples = result.poolSamples / 4;
     return result;
 }
 

@@ -23,6 +23,7 @@ struct IntegratorOptions {
     /// value is unbiased.
     double chainInefficiency = 4;
     bool correlationAware = true;  ///< vcm, mcmc_vcm: Strategies::mergeShare()
+    char mergeMethod = 'B';        ///< pssmlt_merge: method of the supplement's 4.1.1, 'B' or 'A'
     int lanes = 0;                 ///< chains: number of independent lanes; 0: default
     std::string replicas = "uvf";  ///< mcmc_vcm: which replicas take part (study of each alone)
 };

@@ -17,9 +17,18 @@ using PathSampler = MetropolisSampler<PathValue>;
 /// Options of a sampler that takes `stepsPerPass` steps; `name` tells the integrator's samplers apart.
 MetropolisOptions pathSamplerOptions(const IntegratorOptions& options, size_t stepsPerPass, uint64_t name);
 
-/// Adds weight * value to a film.
-inline auto payTo(Film& film) {
-    return [&film](const PathValue& value, double weight) { film.addSplats(value.splats, weight); };
+/// Evaluates a pair of subpaths, all techniques.
+inline auto evaluatorOf(const PathPair& pair) {
+    return [&pair](SampleStream& u, PathValue& value) {
+        pair.all(u, value.splats);
+        value.size = value.splats.size();
+    };
+}
+/// Adds weight * value to a film, as a part `share` of a pass.
+inline auto payTo(Film& film, double share = 1) {
+    return [&film, share](const PathValue& value, double weight) {
+        film.addSplats(value.splats, weight * share);
+    };
 }
 
 nlohmann::json samplerStatistics(const PathSampler& sampler);

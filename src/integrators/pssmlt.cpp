@@ -21,11 +21,7 @@ class PssmltIntegrator final : public Integrator {
         directPass(scene_, options_.limits, options_.seed, pixels_, film);
         const Strategies strategies = Strategies::bidirectional(1, 0);
         const PathPair pair{scene_, options_.limits, strategies, film};
-        const auto evaluate = [&pair](SampleStream& u, PathValue& value) {
-            pair.all(u, value.splats);
-            value.size = value.splats.size();
-        };
-        sampler_.integrate(pixels_.size(), evaluate, payTo(film));
+        sampler_.integrate(pixels_.size(), evaluatorOf(pair), payTo(film));
         film.endPass();
     }
 

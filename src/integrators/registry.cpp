@@ -5,6 +5,7 @@
 #include "integrators/mmlt.h"
 #include "integrators/path.h"
 #include "integrators/pssmlt.h"
+#include "integrators/pssmlt_merge.h"
 #include "integrators/vcm.h"
 
 #include <functional>
@@ -29,6 +30,8 @@ constexpr Entry kIntegrators[] = {
     {"pssmlt", "primary sample space Metropolis light transport on bidirectional path tracing",
      makePssmltIntegrator},
     {"mmlt", "multiplexed Metropolis light transport: chains choose technique and path", makeMmltIntegrator},
+    {"pssmlt_merge", "pssmlt that also merges with light subpaths from chains (method A or B of the paper)",
+     makePssmltMergeIntegrator},
 };
 
 }  // namespace

@@ -18,6 +18,12 @@ struct MetropolisOptions {
     size_t poolSamples = 16384;     ///< for the start of the chains
 };
 
+/// An observer of chains that looks away.
+struct Unobserved {
+    template <class State>
+    void operator()(size_t, const State&, bool) const {}
+};
+
 /// Estimates integrals over primary sample space. `Value` is what a sample evaluates to; its member `size` is
 /// the chains' target F, F = 0 where the integrand is zero. In all functions, `evaluate(SampleStream&,
 /// Value&)` is the integrand and `pay(const Value&, double weight)` adds weight * value to the estimate; both
@@ -54,13 +60,15 @@ class MetropolisSampler {
             pool_.add(uniformSamples(options_.poolSamples, evaluate, [](const Value&) {}),
                       options_.poolSamples, rng_);
         if (pool_.drawn() >= 2 * drawnAtStart_) startChains(evaluate);
-        run(steps, mixture(0, steps), evaluate, pay);
+        run(steps, mixture(0, steps), evaluate, pay, Unobserved{});
     }
 
     /// As integrate(), for an integrand that is another in each call: the pool and the chains begin anew,
     /// with `fresh` uniform samples that are part of the estimate, and b is the mean over earlier calls.
-    template <class Evaluate, class Pay>
-    void integrateAnew(size_t fresh, size_t steps, Evaluate&& evaluate, Pay&& pay) {
+    /// After each step of a chain, `observe(lane, state, moved)` sees its state (MarkovState<Value>) and
+    /// whether it has changed.
+    template <class Evaluate, class Pay, class Observe = Unobserved>
+    void integrateAnew(size_t fresh, size_t steps, Evaluate&& evaluate, Pay&& pay, Observe&& observe = {}) {
         if (!calibrate(evaluate)) return integrate(fresh + steps, evaluate, pay);
         ReplicaMixture mix = mixture(fresh, steps);
         const auto visible =
@@ -69,7 +77,7 @@ class MetropolisSampler {
         pool_.add(visible, fresh, rng_);
         startChains(evaluate);
         mix.contributionScale = scale_;
-        run(steps, mix, evaluate, pay);
+        run(steps, mix, evaluate, pay, observe);
         addSteering(visible, fresh);
     }
 
@@ -92,11 +100,7 @@ class MetropolisSampler {
     };
     Counts counts() const;
 
-    /// The states of the chains, after a run.
-    template <class Visit>
-    void visitStates(Visit&& visit) const {
-        for (const Lane& lane : lanes_) visit(lane.chain.state().value);
-    }
+    size_t lanes() const { return lanes_.size(); }
 
   private:
     struct Target {
@@ -161,11 +165,12 @@ class MetropolisSampler {
                     [&](size_t i) { uniformSample(evaluate, lanes_[i].chain.state(), pool_.key(i)); });
     }
 
-    template <class Evaluate, class Pay>
-    void run(size_t steps, const ReplicaMixture& mix, Evaluate&& evaluate, Pay&& pay) {
+    template <class Evaluate, class Pay, class Observe>
+    void run(size_t steps, const ReplicaMixture& mix, Evaluate&& evaluate, Pay&& pay, Observe&& observe) {
         const size_t n = lanes_.size();
         parallelFor(n, [&](size_t i) {
-            runLane(lanes_[i], steps * (i + 1) / n - steps * i / n, mix, evaluate, pay);
+            const auto observeLane = [&](const auto& state, bool moved) { observe(i, state, moved); };
+            runLane(lanes_[i], steps * (i + 1) / n - steps * i / n, mix, evaluate, pay, observeLane);
         });
         std::vector<UniformSample> fresh;
         size_t drawn = 0;
@@ -178,8 +183,9 @@ class MetropolisSampler {
         pool_.add(fresh, drawn, rng_);
     }
 
-    template <class Evaluate, class Pay>
-    void runLane(Lane& lane, size_t steps, const ReplicaMixture& mix, Evaluate&& evaluate, Pay&& pay) {
+    template <class Evaluate, class Pay, class Observe>
+    void runLane(Lane& lane, size_t steps, const ReplicaMixture& mix, Evaluate&& evaluate, Pay&& pay,
+                 Observe&& observe) {
         auto& chain = lane.chain;
         const auto payOut = [&](MarkovState<Value>& state) {
             if (state.weight > 0) pay(state.value, state.weight);
@@ -202,6 +208,7 @@ class MetropolisSampler {
             lane.largeTried += large;
             lane.largeAccepted += large && accepted;
             payOut(proposal);  // the one of the two that the chain has left
+            observe(chain.state(), accepted);
         }
         payOut(chain.state());
     }

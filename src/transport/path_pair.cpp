@@ -53,7 +53,9 @@ class EmitterAt final : public SubpathVisitor {
 struct Streams {
     InterleavedStream eye, light, nee;
     explicit Streams(SampleStream& u)
-        : eye(u, 0, PathPair::kStreams), light(u, 1, PathPair::kStreams), nee(u, 2, PathPair::kStreams) {}
+        : eye(u, 0, PathPair::kStreams),
+          light(u, PathPair::kLightStream, PathPair::kStreams),
+          nee(u, 2, PathPair::kStreams) {}
 };
 
 }  // namespace
@@ -77,6 +79,12 @@ void PathPair::all(SampleStream& u, SplatList& splats) const {
     thread_local std::vector<Vertex> eye;  // keeps its memory
     eye.clear();
     Rgb sum = eyePass.trace(streams.eye, streams.nee, raster, film.reach().area(), 0, film, eye);
+
+    if (photons)
+        for (const Vertex& v : eye) {
+            const Rgb merged = photons->merge(strategies, v, limits.maxDepth);
+            if (!film.rejectNonFinite(merged, Technique::Merge)) sum += merged;
+        }
 
     const EyeVertices none;
     const VertexGrid noGrid;

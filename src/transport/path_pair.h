@@ -1,6 +1,7 @@
 #pragma once
 #include "transport/eye_pass.h"
 #include "transport/light_pass.h"
+#include "transport/photon_map.h"
 
 namespace metrolux {
 
@@ -17,10 +18,12 @@ struct PathPair {
     const PathLimits& limits;
     const Strategies& strategies;
     Film& film;  ///< window, filter, count of non-finite contributions; nothing is added to it
+    const PhotonMap* photons = nullptr;  ///< all() merges the eye subpath with them, if given
 
     /// Coordinates: three interleaved streams, for the eye subpath, the light subpath and next-event
     /// estimation. The eye's block 0: raster position (2), lens (2), then the caller's.
     static constexpr int kStreams = 3;
+    static constexpr int kLightStream = 1;
     /// First coordinate of the eye's block 0 that neither all() nor the eye subpath uses.
     static constexpr int kTechniqueCoordinate = 4;
 

@@ -88,14 +88,15 @@ TEST_P(EachIntegrator, HidesDirectlyVisibleEmittersWhenAsked) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EachIntegrator,
-                         ::testing::Values("path", "light", "bdpt", "vcm", "mcmc_vcm", "pssmlt", "mmlt"),
+                         ::testing::Values("path", "light", "bdpt", "vcm", "mcmc_vcm", "pssmlt",
+                                           "pssmlt_merge", "mmlt"),
                          [](const auto& i) { return std::string(i.param); });
 
 TEST(Integrators, AreAllListedAndMade) {
     SceneBuilder b;
     addFloorAndGlass(b);
     const std::shared_ptr<Scene> scene = b.build();
-    EXPECT_EQ(integratorList().size(), 7u);
+    EXPECT_EQ(integratorList().size(), 8u);
     EXPECT_EQ(integratorList().front().first, "mcmc_vcm");
     for (const auto& [name, description] : integratorList()) {
         EXPECT_FALSE(description.empty());

@@ -30,7 +30,8 @@ Ctrl-C ends the pass in progress, writes the image and exits with status 3; a se
 The same scene, options and number of passes give the same image on any number of threads.)";
 
 struct RenderArguments {
-    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel = "kelemen";
+    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel = "kelemen",
+                                                       method = "B";
     std::vector<std::string> outputs, defines, aovs;
     SessionOptions session;
     int threads = 0;
@@ -136,9 +137,20 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->option_text("uvf")
         ->group(group);
     app.add_option("--kernel", a.kernel,
-                   "mcmc_vcm: mutation, `kelemen` (default) or `adaptive` (the paper's, larger steps)")
+                   "Chains: mutation, `kelemen` (default) or `adaptive` (the paper's, larger steps)")
         ->option_text("NAME")
         ->check(CLI::IsMember({"kelemen", "adaptive"}))
+        ->group(group);
+    app.add_option("--large-step", integrator.largeStep,
+                   "pssmlt, mmlt, pssmlt_merge: probability of a step to a uniform sample (default: 0.3)")
+        ->option_text("P")
+        ->check(CLI::Range(0.0, 1.0))
+        ->group(group);
+    app.add_option("--method", a.method,
+                   "pssmlt_merge: light subpaths for merging from a visibility chain (B, default)\nor from "
+                   "pssmlt's own states (A, experimental: biased)")
+        ->option_text("B|A")
+        ->check(CLI::IsMember({"A", "B"}))
         ->group(group);
     app.add_option("--chain-inefficiency", integrator.chainInefficiency,
                    "mcmc_vcm: steps of a chain that count as one independent sample in the weights (default: "
@@ -149,7 +161,7 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
     app.add_flag("!--no-correlation-aware", integrator.correlationAware,
                  "vcm, mcmc_vcm: weigh merges that share an eye vertex as if they were independent")
         ->group(group);
-    app.add_option("--lanes", integrator.lanes, "mcmc_vcm: number of independent sets of chains")
+    app.add_option("--lanes", integrator.lanes, "Number of independent sets of chains")
         ->option_text("N")
         ->check(wholeNumber(1, 1 << 20))
         ->group(group);
@@ -266,6 +278,7 @@ int render(RenderArguments& a, const CLI::App& app) {
         }
         const Scene scene(std::move(parts));
         a.session.integratorOptions.adaptiveKernel = a.kernel == "adaptive";
+        a.session.integratorOptions.mergeMethod = a.method.front();
         PathLimits& limits = a.session.integratorOptions.limits;
         limits = scene.parts().limits;
         if (app.count("--max-depth") > 0) limits.maxDepth = a.maxDepth;

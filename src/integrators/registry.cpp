@@ -2,7 +2,10 @@
 #include "base/suggest.h"
 #include "integrators/integrator.h"
 #include "integrators/mcmc_vcm.h"
+#include "integrators/mmlt.h"
 #include "integrators/path.h"
+#include "integrators/pssmlt.h"
+#include "integrators/pssmlt_merge.h"
 #include "integrators/vcm.h"
 
 #include <functional>
@@ -24,6 +27,11 @@ constexpr Entry kIntegrators[] = {
     {"bdpt", "bidirectional path tracing", makeBdptIntegrator},
     {"path", "path tracing with next-event estimation", makePathIntegrator},
     {"light", "light tracing: light subpaths connected to the camera", makeLightIntegrator},
+    {"pssmlt", "primary sample space Metropolis light transport on bidirectional path tracing",
+     makePssmltIntegrator},
+    {"mmlt", "multiplexed Metropolis light transport: chains choose technique and path", makeMmltIntegrator},
+    {"pssmlt_merge", "pssmlt that also merges with light subpaths from chains (method A or B of the paper)",
+     makePssmltMergeIntegrator},
 };
 
 }  // namespace

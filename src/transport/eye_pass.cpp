@@ -12,13 +12,8 @@ namespace {
 /// Adds hit and nee of one eye subpath and keeps its vertices.
 class EyeVisitor final : public SubpathVisitor {
   public:
-    EyeVisitor(const EyePass& pass, Film& film, std::vector<Vertex>& kept)
-        : pass_(pass), film_(film), kept_(kept) {}
-
-    void begin(uint64_t key, uint32_t index) {
-        sum_ = Rgb(0.0f);
-        nee_.emplace(hashKey(key, 0x6e6565), index);
-    }
+    EyeVisitor(const EyePass& pass, SampleStream& nee, Film& film, std::vector<Vertex>& kept)
+        : pass_(pass), nee_(nee), film_(film), kept_(kept) {}
     const Rgb& sum() const { return sum_; }
 
     bool surface(const Vertex& v) override {
@@ -29,10 +24,10 @@ class EyeVisitor final : public SubpathVisitor {
         if (v.bsdf().hasSmoothLobe()) {
             const bool extensible = limits.maxDepth < 0 || v.depth < limits.maxDepth;
             if (pass_.nextEvent && extensible) {
-                nee_->seek(v.depth);
-                const float uLight = nee_->next1D();
-                nee_->next1D();  // keeps the pair that follows aligned
-                add(connectToLight(pass_.scene, pass_.strategies, v, uLight, nee_->next2D()), Technique::Nee);
+                nee_.seek(v.depth);
+                const float uLight = nee_.next1D();
+                nee_.next1D();  // keeps the pair that follows aligned
+                add(connectToLight(pass_.scene, pass_.strategies, v, uLight, nee_.next2D()), Technique::Nee);
             }
             if (pass_.keepVertices && extensible) kept_.push_back(v);
         }
@@ -48,7 +43,7 @@ class EyeVisitor final : public SubpathVisitor {
 
   private:
     bool countsHit(int depth) const {
-        if (depth == 1) return !pass_.limits.hideEmitters;
+        if (depth == 1) return pass_.direct && !pass_.limits.hideEmitters;
         return pass_.hit;
     }
     void add(const Rgb& value, Technique technique) {
@@ -56,13 +51,20 @@ class EyeVisitor final : public SubpathVisitor {
     }
 
     const EyePass& pass_;
+    SampleStream& nee_;
     Film& film_;
     std::vector<Vertex>& kept_;
-    std::optional<SobolStream> nee_;
-    Rgb sum_;
+    Rgb sum_{0.0f};
 };
 
 }  // namespace
+
+Rgb EyePass::trace(SampleStream& stream, SampleStream& nee, const Vec2f& raster, float weight, uint32_t pixel,
+                   Film& film, std::vector<Vertex>& kept) const {
+    EyeVisitor visitor(*this, nee, film, kept);
+    traceEyeSubpath(scene, stream, limits, strategies, raster, weight, pixel, visitor);
+    return visitor.sum();
+}
 
 void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& result) const {
     constexpr size_t kChunk = 256;
@@ -71,21 +73,18 @@ void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& res
     result.starts_.assign(keepVertices ? pixels.size() + 1 : 0, 0);
 
     parallelFor(chunks, [&](size_t chunk) {
-        EyeVisitor visitor(*this, film, kept[chunk]);
         for (size_t i = chunk * kChunk; i < std::min(pixels.size(), (chunk + 1) * kChunk); ++i) {
             const uint32_t pixel = pixels[i];
             // Keyed by the position in the full image, so that a crop repeats the samples of the whole.
             const FilmWindow& w = film.window();
             const uint64_t x = w.x + pixel % w.width, y = w.y + pixel / w.width;
             const uint64_t key = hashKey(seed, StreamPurpose::EyeSubpath, x, y);
-            SobolStream stream(key, pass);
+            SobolStream stream(key, pass), nee(hashKey(key, 0x6e6565), pass);
             stream.seek(0);
             float weight = 1;
             const Vec2f raster = film.samplePosition(pixel, stream.next2D(), weight);
-            visitor.begin(key, pass);
             const size_t before = kept[chunk].size();
-            traceEyeSubpath(scene, stream, limits, strategies, raster, weight, pixel, visitor);
-            film.addEye(pixel, visitor.sum());
+            film.addEye(pixel, trace(stream, nee, raster, weight, pixel, film, kept[chunk]));
             if (keepVertices) result.starts_[i + 1] = kept[chunk].size() - before;
         }
     });

@@ -1,5 +1,6 @@
 #pragma once
 #include "image/film.h"
+#include "sampling/sample_stream.h"
 #include "scene/scene.h"
 #include "transport/vertex.h"
 
@@ -37,11 +38,17 @@ struct EyePass {
     uint32_t pass = 0;
     bool nextEvent = true;  ///< next-event estimation
     bool keepVertices = true;
-    bool hit = true;   ///< emitters hit at any depth; false: directly seen ones only
-    int deepest = -1;  ///< subpaths end after this many edges; -1: at the scene's limit
+    bool hit = true;     ///< emitters hit at any depth; false: directly seen ones only
+    bool direct = true;  ///< emitters that the camera sees directly
+    int deepest = -1;    ///< subpaths end after this many edges; -1: at the scene's limit
 
     /// `pixels`: indices in the film's window. Deterministic for any number of threads.
     void run(std::span<const uint32_t> pixels, Film& film, EyeVertices& result) const;
+
+    /// Traces one eye subpath (traceEyeSubpath) and returns its hit and nee; appends its vertices to `kept`.
+    /// Next-event estimation at depth d reads block d of `nee`; `film` counts non-finite contributions.
+    Rgb trace(SampleStream& stream, SampleStream& nee, const Vec2f& raster, float weight, uint32_t pixel,
+              Film& film, std::vector<Vertex>& kept) const;
 };
 
 }  // namespace metrolux

@@ -11,9 +11,14 @@ namespace {
 
 class LightVisitor final : public SubpathVisitor {
   public:
-    LightVisitor(const LightPass& pass, std::span<const Vertex> partner, const Vec2f& uLens,
-                 SplatList& splats, PhotonDensity* counted)
-        : pass_(pass), partner_(partner), uLens_(uLens), splats_(splats), counted_(counted) {
+    LightVisitor(const LightPass& pass, std::span<const Vertex> partner, float connectionScale,
+                 const Vec2f& uLens, SplatList& splats, PhotonDensity* counted)
+        : pass_(pass),
+          partner_(partner),
+          connectionScale_(connectionScale),
+          uLens_(uLens),
+          splats_(splats),
+          counted_(counted) {
         const float r = pass.grid.radius();
         inverseDiskArea_ = 1.0 / (double(kPi) * r * r);
     }
@@ -39,11 +44,9 @@ class LightVisitor final : public SubpathVisitor {
     }
 
     void connect(const Vertex& v, int limit) {
-        // One eye subpath of N was picked: its pixel's share stands for all.
-        const float scale = static_cast<float>(pass_.eyes.subpathCount());
         for (const Vertex& eye : partner_) {
             if (v.depth + eye.depth + 1 > limit) break;
-            addPixel(eye.pixel, connectVertices(pass_.scene, pass_.strategies, v, eye) * scale,
+            addPixel(eye.pixel, connectVertices(pass_.scene, pass_.strategies, v, eye) * connectionScale_,
                      Technique::Connect);
         }
     }
@@ -64,6 +67,7 @@ class LightVisitor final : public SubpathVisitor {
 
     const LightPass& pass_;
     std::span<const Vertex> partner_;
+    float connectionScale_;
     Vec2f uLens_;
     SplatList& splats_;
     PhotonDensity* counted_;
@@ -91,18 +95,29 @@ uint64_t hilbertDistance(int order, uint32_t x, uint32_t y) {
 
 }  // namespace
 
+Vec2f LightPass::lensCoordinates(SampleStream& stream) {
+    stream.seek(0);
+    for (int i = 0; i < kLensCoordinate; ++i) stream.next1D();
+    return stream.next2D();
+}
+
 void LightPass::evaluate(SampleStream& stream, SplatList& splats, PhotonDensity* counted) const {
     splats.clear();
     stream.seek(0);
     for (int i = 0; i < kEyeSubpathCoordinate; ++i) stream.next1D();
     const float uEye = stream.next1D();
-    const Vec2f uLens = stream.next2D();
+    // One eye subpath of N is picked: its pixel's share stands for all.
     std::span<const Vertex> partner;
     if (connect && eyes.subpathCount() > 0) {
         const size_t n = eyes.subpathCount();
         partner = eyes.subpath(std::min(static_cast<size_t>(double(uEye) * double(n)), n - 1));
     }
-    LightVisitor visitor(*this, partner, uLens, splats, counted);
+    trace(stream, partner, static_cast<float>(eyes.subpathCount()), splats, counted);
+}
+
+void LightPass::trace(SampleStream& stream, std::span<const Vertex> partner, float connectionScale,
+                      SplatList& splats, PhotonDensity* counted) const {
+    LightVisitor visitor(*this, partner, connectionScale, lensCoordinates(stream), splats, counted);
     traceLightSubpath(scene, stream, limits, strategies, visitor);
 }
 

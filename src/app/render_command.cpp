@@ -30,7 +30,7 @@ Ctrl-C ends the pass in progress, writes the image and exits with status 3; a se
 The same scene, options and number of passes give the same image on any number of threads.)";
 
 struct RenderArguments {
-    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel = "kelemen";
+    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel;
     std::vector<std::string> outputs, defines, aovs;
     SessionOptions session;
     int threads = 0;
@@ -131,25 +131,29 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->check(realNumber(false))
         ->group(group);
     app.add_option("--replicas", integrator.replicas,
-                   "mcmc_vcm: chains that take part, of u (uniform), v (visibility) and f\n(contribution) "
-                   "(default: uvf)")
+                   "mcmc_vcm, vpt, split_mcmc: chains that take part, of u (uniform), v (visibility)\nand f "
+                   "(contribution, mcmc_vcm only) (default: all)")
         ->option_text("uvf")
         ->group(group);
     app.add_option("--kernel", a.kernel,
-                   "mcmc_vcm: mutation, `kelemen` (default) or `adaptive` (the paper's, larger steps)")
+                   "Mutation of chains: `kelemen` (default of mcmc_vcm) or `adaptive` (the paper's, larger "
+                   "steps;\ndefault of vpt and split_mcmc)")
         ->option_text("NAME")
         ->check(CLI::IsMember({"kelemen", "adaptive"}))
         ->group(group);
     app.add_option("--chain-inefficiency", integrator.chainInefficiency,
-                   "mcmc_vcm: steps of a chain that count as one independent sample in the weights (default: "
+                   "mcmc_vcm, vpt, split_mcmc: steps of a chain that count as one independent sample in the "
+                   "weights (default: "
                    "4); changes noise, not brightness")
         ->option_text("G")
         ->check(CLI::Range(1.0, 1e6))
         ->group(group);
-    app.add_flag("!--no-correlation-aware", integrator.correlationAware,
-                 "vcm, mcmc_vcm: weigh merges that share an eye vertex as if they were independent")
+    app.add_flag(
+           "!--no-correlation-aware", integrator.correlationAware,
+           "vcm, mcmc_vcm, split_mcmc: weigh merges that share an eye vertex as if they were independent")
         ->group(group);
-    app.add_option("--lanes", integrator.lanes, "mcmc_vcm: number of independent sets of chains")
+    app.add_option("--lanes", integrator.lanes,
+                   "mcmc_vcm, vpt, split_mcmc: number of independent sets of chains")
         ->option_text("N")
         ->check(wholeNumber(1, 1 << 20))
         ->group(group);
@@ -184,7 +188,7 @@ void prepare(RenderArguments& a) {
     if (!a.time.empty()) session.limits.seconds = parseDuration(a.time);
     if (!session.limits.any()) session.limits.seconds = 60;
     session.integratorOptions.memoryBytes = a.memory.empty() ? halfOfPhysicalMemory() : parseMemory(a.memory);
-    checkReplicas(session.integratorOptions.replicas);
+    if (session.integratorOptions.replicas) checkReplicas(*session.integratorOptions.replicas);
     session.display.curve = toneCurveFromName(a.curve).value();
     for (const std::string& name : a.aovs) session.aovs.push_back(aovFromName(name));
     if (a.outputs.empty()) a.outputs.push_back(fs::path(a.scene).stem().string() + ".exr");
@@ -265,7 +269,9 @@ int render(RenderArguments& a, const CLI::App& app) {
             parts.filter = {};
         }
         const Scene scene(std::move(parts));
-        a.session.integratorOptions.adaptiveKernel = a.kernel == "adaptive";
+        if (app.count("--kernel") > 0)
+            a.session.integratorOptions.kernel =
+                a.kernel == "adaptive" ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
         PathLimits& limits = a.session.integratorOptions.limits;
         limits = scene.parts().limits;
         if (app.count("--max-depth") > 0) limits.maxDepth = a.maxDepth;

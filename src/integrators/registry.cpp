@@ -3,6 +3,7 @@
 #include "integrators/integrator.h"
 #include "integrators/mcmc_vcm.h"
 #include "integrators/path.h"
+#include "integrators/photon_mapping.h"
 #include "integrators/vcm.h"
 
 #include <functional>
@@ -23,6 +24,8 @@ constexpr Entry kIntegrators[] = {
     {"vcm", "vertex connection and merging, independent light subpaths", makeVcmIntegrator},
     {"bdpt", "bidirectional path tracing", makeBdptIntegrator},
     {"path", "path tracing with next-event estimation", makePathIntegrator},
+    {"sppm", "stochastic progressive photon mapping", makeSppmIntegrator},
+    {"vpt", "photon mapping whose photons are driven to where the camera sees them", makeVptIntegrator},
     {"light", "light tracing: light subpaths connected to the camera", makeLightIntegrator},
 };
 

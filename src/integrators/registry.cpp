@@ -4,6 +4,7 @@
 #include "integrators/mcmc_vcm.h"
 #include "integrators/path.h"
 #include "integrators/photon_mapping.h"
+#include "integrators/split_mcmc.h"
 #include "integrators/vcm.h"
 
 #include <functional>
@@ -26,6 +27,8 @@ constexpr Entry kIntegrators[] = {
     {"path", "path tracing with next-event estimation", makePathIntegrator},
     {"sppm", "stochastic progressive photon mapping", makeSppmIntegrator},
     {"vpt", "photon mapping whose photons are driven to where the camera sees them", makeVptIntegrator},
+    {"split_mcmc", "VCM with eye and light subpaths from separate visibility-driven chains",
+     makeSplitMcmcIntegrator},
     {"light", "light tracing: light subpaths connected to the camera", makeLightIntegrator},
 };
 

@@ -34,7 +34,7 @@ TEST_F(CliTest, WithoutACommandItShowsHelpAndFails) {
 TEST_F(CliTest, IntegratorsAreListed) {
     const Outcome outcome = run({"integrators"});
     EXPECT_EQ(outcome.status, 0);
-    for (const char* name : {"mcmc_vcm", "vcm", "bdpt", "path", "light"})
+    for (const char* name : {"mcmc_vcm", "vcm", "bdpt", "path", "light", "sppm", "vpt", "split_mcmc"})
         EXPECT_THAT(outcome.out, HasSubstr(name));
 }
 

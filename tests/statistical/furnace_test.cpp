@@ -13,8 +13,7 @@ namespace {
 using namespace test;
 
 constexpr float kMergingRadius = 0.02f;
-const char* const kIntegrators[] = {"path",     "light", "bdpt", "vcm",
-                                     "mcmc_vcm", "sppm",  "vpt",  "split_mcmc"};
+const char* const kIntegrators[] = {"path", "light", "bdpt", "vcm", "mcmc_vcm", "sppm", "vpt", "split_mcmc"};
 
 /// How much work an integrator needs for the decision. Few light subpaths find the camera, and chains need
 /// some hundred steps in an iteration: larger images, of which the mean is tested.
@@ -26,7 +25,7 @@ Effort effort(const std::string& integrator) {
     if (integrator == "light") return {24, 24, 1, 0.2};
     if (integrator == "mcmc_vcm" || integrator == "vpt" || integrator == "split_mcmc")
         return {32, 16, 1, 0.25};
-    if (integrator == "sppm") return {24, 16, 1, 0.1};
+    if (integrator == "sppm") return {32, 32, 1, 0.25};
     if (integrator == "path") return {12, 40, 2, 0.05};
     return {12, 24, 2, 0.05};
 }

@@ -87,7 +87,7 @@ TEST_P(EachIntegrator, HidesDirectlyVisibleEmittersWhenAsked) {
     for (const float v : render(*b.build(), GetParam(), {}, 3)) ASSERT_EQ(v, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EachIntegrator, 
+INSTANTIATE_TEST_SUITE_P(All, EachIntegrator,
                          ::testing::Values("path", "light", "bdpt", "vcm", "mcmc_vcm", "sppm", "vpt",
                                            "split_mcmc"),
                          [](const auto& i) { return std::string(i.param); });

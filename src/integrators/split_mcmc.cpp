@@ -69,7 +69,7 @@ class SplitMcmcIntegrator final : public Integrator {
         EyePass eyePass{scene_, options_.limits, counts, options_.seed, film.passes()};
         if (chains) {
             eyePass.nextEvent = false;  // EyeChains does it
-            oldGrid_.build(lightVertices_, r);
+            oldGrid_.buildPoints(lightVertices_, r);
             eye_.run(eyePass, oldGrid_, film, iteration, eyes_);
         } else {
             eyePass.run(pixels, film, eyes_);

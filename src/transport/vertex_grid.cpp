@@ -60,7 +60,7 @@ void VertexGrid::build(std::span<const Vertex> vertices, float radius) {
     buildFrom(vertices.size(), radius, [&](size_t i) -> const Vec3f& { return vertices[i].si.p; });
 }
 
-void VertexGrid::build(std::span<const Vec3f> points, float radius) {
+void VertexGrid::buildPoints(std::span<const Vec3f> points, float radius) {
     buildFrom(points.size(), radius, [&](size_t i) -> const Vec3f& { return points[i]; });
 }
 

@@ -13,7 +13,7 @@ class VertexGrid {
   public:
     /// Keeps positions and indices, not the vertices. `radius` > 0, finite.
     void build(std::span<const Vertex> vertices, float radius);
-    void build(std::span<const Vec3f> points, float radius);
+    void buildPoints(std::span<const Vec3f> points, float radius);
     void clear();
     float radius() const { return radius_; }
     size_t memoryBytes() const {

@@ -19,7 +19,7 @@ void expectSameAsBruteForce(const std::vector<Vec3f>& points, float radius,
                             const std::vector<Vec3f>& queries) {
     VertexGrid grid, ofPoints;
     grid.build(vertices(points), radius);
-    ofPoints.build(points, radius);
+    ofPoints.buildPoints(points, radius);
     EXPECT_EQ(grid.radius(), radius);
     std::vector<int> visits(points.size());
     for (const Vec3f& q : queries) {

@@ -30,8 +30,7 @@ Ctrl-C ends the pass in progress, writes the image and exits with status 3; a se
 The same scene, options and number of passes give the same image on any number of threads.)";
 
 struct RenderArguments {
-    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel = "kelemen",
-                                                       method = "B";
+    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel, method = "B";
     std::vector<std::string> outputs, defines, aovs;
     SessionOptions session;
     int threads = 0;
@@ -132,12 +131,14 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->check(realNumber(false))
         ->group(group);
     app.add_option("--replicas", integrator.replicas,
-                   "mcmc_vcm: chains that take part, of u (uniform), v (visibility) and f\n(contribution) "
-                   "(default: uvf)")
+                   "mcmc_vcm, vpt, split_mcmc: chains that take part, of u (uniform), v (visibility)\nand f "
+                   "(contribution, mcmc_vcm only) (default: all)")
         ->option_text("uvf")
         ->group(group);
-    app.add_option("--kernel", a.kernel,
-                   "Chains: mutation, `kelemen` (default) or `adaptive` (the paper's, larger steps)")
+    app.add_option(
+           "--kernel", a.kernel,
+           "Mutation of chains: `kelemen` (default) or `adaptive` (the paper's, larger steps;\ndefault of "
+           "vpt and split_mcmc)")
         ->option_text("NAME")
         ->check(CLI::IsMember({"kelemen", "adaptive"}))
         ->group(group);
@@ -153,13 +154,15 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->check(CLI::IsMember({"A", "B"}))
         ->group(group);
     app.add_option("--chain-inefficiency", integrator.chainInefficiency,
-                   "mcmc_vcm: steps of a chain that count as one independent sample in the weights (default: "
+                   "mcmc_vcm, vpt, split_mcmc: steps of a chain that count as one independent sample in the "
+                   "weights (default: "
                    "4); changes noise, not brightness")
         ->option_text("G")
         ->check(CLI::Range(1.0, 1e6))
         ->group(group);
-    app.add_flag("!--no-correlation-aware", integrator.correlationAware,
-                 "vcm, mcmc_vcm: weigh merges that share an eye vertex as if they were independent")
+    app.add_flag(
+           "!--no-correlation-aware", integrator.correlationAware,
+           "vcm, mcmc_vcm, split_mcmc: weigh merges that share an eye vertex as if they were independent")
         ->group(group);
     app.add_option("--lanes", integrator.lanes, "Number of independent sets of chains")
         ->option_text("N")
@@ -196,7 +199,7 @@ void prepare(RenderArguments& a) {
     if (!a.time.empty()) session.limits.seconds = parseDuration(a.time);
     if (!session.limits.any()) session.limits.seconds = 60;
     session.integratorOptions.memoryBytes = a.memory.empty() ? halfOfPhysicalMemory() : parseMemory(a.memory);
-    checkReplicas(session.integratorOptions.replicas);
+    if (session.integratorOptions.replicas) checkReplicas(*session.integratorOptions.replicas);
     session.display.curve = toneCurveFromName(a.curve).value();
     for (const std::string& name : a.aovs) session.aovs.push_back(aovFromName(name));
     if (a.outputs.empty()) a.outputs.push_back(fs::path(a.scene).stem().string() + ".exr");
@@ -277,7 +280,9 @@ int render(RenderArguments& a, const CLI::App& app) {
             parts.filter = {};
         }
         const Scene scene(std::move(parts));
-        a.session.integratorOptions.adaptiveKernel = a.kernel == "adaptive";
+        if (app.count("--kernel") > 0)
+            a.session.integratorOptions.kernel =
+                a.kernel == "adaptive" ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
         a.session.integratorOptions.mergeMethod = a.method.front();
         PathLimits& limits = a.session.integratorOptions.limits;
         limits = scene.parts().limits;

@@ -27,7 +27,7 @@ VisibilityLightSet::VisibilityLightSet(const IntegratorOptions& options, size_t 
     constexpr size_t kStepsPerIteration = 1024, kFewest = 8, kMost = 64;
     const size_t lanes = options.lanes > 0 ? static_cast<size_t>(options.lanes)
                                            : std::clamp(samples / kStepsPerIteration, kFewest, kMost);
-    const auto kind = options.adaptiveKernel ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
+    const auto kind = options.kernel.value_or(MutationKernel::Kind::Kelemen);
     for (size_t i = 0; i < lanes; ++i)
         lanes_.emplace_back(hashKey(options.seed, StreamPurpose::Chain, 'L', i), kind);
 }

@@ -22,7 +22,7 @@ MetropolisOptions pathSamplerOptions(const IntegratorOptions& options, size_t st
     result.lanes = options.lanes > 0
                        ? options.lanes
                        : static_cast<int>(std::clamp(stepsPerPass / kStepsPerPass, kFewest, kMost));
-    result.kind = options.adaptiveKernel ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
+    result.kind = options.kernel.value_or(MutationKernel::Kind::Kelemen);
     result.largeStep = options.largeStep;
     // A few passes' worth: what is found before the first pass should not take much longer than it.
     constexpr size_t kFewestSamples = 2048, kMostSamples = 16384;
@@ -46,7 +46,7 @@ nlohmann::json samplerStatistics(const PathSampler& sampler) {
 }
 
 nlohmann::json chainStatistics(const IntegratorOptions& options) {
-    return {{"kernel", options.adaptiveKernel ? "adaptive" : "kelemen"},
+    return {{"kernel", options.kernel == MutationKernel::Kind::Adaptive ? "adaptive" : "kelemen"},
             {"large_step_probability", options.largeStep}};
 }
 

@@ -10,7 +10,8 @@ enum class StreamPurpose : uint64_t {
     LightSubpath = 2,
     Chain = 3,
     Seeding = 4,
-    Replacement = 5
+    Replacement = 5,
+    EyeChain = 6
 };
 
 /// Independent uniform numbers; coordinate c of the stream depends on (key, c) only.

@@ -1,7 +1,6 @@
 #include "transport/eye_pass.h"
 
 #include "base/parallel.h"
-#include "sampling/streams.h"
 #include "transport/connect.h"
 #include "transport/subpath.h"
 
@@ -9,36 +8,32 @@ namespace metrolux {
 
 namespace {
 
-/// Adds hit and nee of one eye subpath and keeps its vertices.
+/// Adds up hit and nee of one eye subpath and keeps its vertices.
 class EyeVisitor final : public SubpathVisitor {
   public:
     EyeVisitor(const EyePass& pass, SampleStream& nee, Film& film, std::vector<Vertex>& kept)
         : pass_(pass), nee_(nee), film_(film), kept_(kept) {}
+
     const Rgb& sum() const { return sum_; }
 
     bool surface(const Vertex& v) override {
         const PathLimits& limits = pass_.limits;
-        if (v.si.shape->emitter && countsHit(v.depth))
-            add(hitLight(pass_.scene, pass_.strategies, v), Technique::Hit);
+        if (v.si.shape->emitter && countsHit(v.depth)) add(hitLight(pass_.scene, pass_.strategies, v));
         if (pass_.deepest >= 0 && v.depth >= pass_.deepest) return false;
         if (v.bsdf().hasSmoothLobe()) {
             const bool extensible = limits.maxDepth < 0 || v.depth < limits.maxDepth;
-            if (pass_.nextEvent && extensible) {
-                nee_.seek(v.depth);
-                const float uLight = nee_.next1D();
-                nee_.next1D();  // keeps the pair that follows aligned
-                add(connectToLight(pass_.scene, pass_.strategies, v, uLight, nee_.next2D()), Technique::Nee);
-            }
+            if (pass_.nextEvent && extensible) sum_ += pass_.estimateDirect(v, nee_, film_);
             if (pass_.keepVertices && extensible) kept_.push_back(v);
         }
         return true;
     }
 
+    bool scattered(bool delta) override { return delta || pass_.beyondSmooth; }
+
     void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput, const MisState& mis,
                  int depth) override {
         if (countsHit(depth))
-            add(hitEnvironment(pass_.scene, pass_.strategies, from, direction, throughput, mis, depth),
-                Technique::Hit);
+            add(hitEnvironment(pass_.scene, pass_.strategies, from, direction, throughput, mis, depth));
     }
 
   private:
@@ -46,8 +41,8 @@ class EyeVisitor final : public SubpathVisitor {
         if (depth == 1) return pass_.direct && !pass_.limits.hideEmitters;
         return pass_.hit;
     }
-    void add(const Rgb& value, Technique technique) {
-        if (!film_.rejectNonFinite(value, technique)) sum_ += value;
+    void add(const Rgb& value) {
+        if (!film_.rejectNonFinite(value, Technique::Hit)) sum_ += value;
     }
 
     const EyePass& pass_;
@@ -58,6 +53,14 @@ class EyeVisitor final : public SubpathVisitor {
 };
 
 }  // namespace
+
+Rgb EyePass::estimateDirect(const Vertex& v, SampleStream& nee, Film& film) const {
+    nee.seek(v.depth);
+    const float uLight = nee.next1D();
+    nee.next1D();  // keeps the pair that follows aligned
+    const Rgb value = connectToLight(scene, strategies, v, uLight, nee.next2D());
+    return film.rejectNonFinite(value, Technique::Nee) ? Rgb(0.0f) : value;
+}
 
 Rgb EyePass::trace(SampleStream& stream, SampleStream& nee, const Vec2f& raster, float weight, uint32_t pixel,
                    Film& film, std::vector<Vertex>& kept) const {

@@ -12,13 +12,14 @@ namespace {
 class LightVisitor final : public SubpathVisitor {
   public:
     LightVisitor(const LightPass& pass, std::span<const Vertex> partner, float connectionScale,
-                 const Vec2f& uLens, SplatList& splats, PhotonDensity* counted)
+                 const Vec2f& uLens, SplatList& splats, PhotonDensity* counted, std::vector<Vec3f>* trail)
         : pass_(pass),
           partner_(partner),
           connectionScale_(connectionScale),
           uLens_(uLens),
           splats_(splats),
-          counted_(counted) {
+          counted_(counted),
+          trail_(trail) {
         const float r = pass.grid.radius();
         inverseDiskArea_ = 1.0 / (double(kPi) * r * r);
     }
@@ -28,7 +29,8 @@ class LightVisitor final : public SubpathVisitor {
             pass_.limits.maxDepth < 0 ? std::numeric_limits<int>::max() / 2 : pass_.limits.maxDepth;
         if (v.bsdf().hasSmoothLobe()) {
             if (counted_) counted_->count(v.si.p);
-            if (v.depth < limit) splat(v);
+            if (trail_) trail_->push_back(v.si.p);
+            if (pass_.splat && v.depth < limit) splat(v);
             if (pass_.connect) connect(v, limit);
             if (pass_.merge) merge(v, limit);
         }
@@ -56,7 +58,8 @@ class LightVisitor final : public SubpathVisitor {
         pass_.grid.query(v.si.p, [&](uint32_t index) {
             const Vertex& eye = eyes[index];
             if (v.depth + eye.depth > limit) return;
-            addPixel(eye.pixel, mergeVertices(pass_.strategies, v, eye, inverseDiskArea_), Technique::Merge);
+            addPixel(eye.pixel, mergeVertices(pass_.strategies, v, eye, inverseDiskArea_, pass_.weighted),
+                     Technique::Merge);
         });
     }
 
@@ -71,6 +74,7 @@ class LightVisitor final : public SubpathVisitor {
     Vec2f uLens_;
     SplatList& splats_;
     PhotonDensity* counted_;
+    std::vector<Vec3f>* trail_;
     double inverseDiskArea_;
 };
 
@@ -101,8 +105,10 @@ Vec2f LightPass::lensCoordinates(SampleStream& stream) {
     return stream.next2D();
 }
 
-void LightPass::evaluate(SampleStream& stream, SplatList& splats, PhotonDensity* counted) const {
+void LightPass::evaluate(SampleStream& stream, SplatList& splats, PhotonDensity* counted,
+                         std::vector<Vec3f>* trail) const {
     splats.clear();
+    if (trail) trail->clear();
     stream.seek(0);
     for (int i = 0; i < kEyeSubpathCoordinate; ++i) stream.next1D();
     const float uEye = stream.next1D();
@@ -112,12 +118,12 @@ void LightPass::evaluate(SampleStream& stream, SplatList& splats, PhotonDensity*
         const size_t n = eyes.subpathCount();
         partner = eyes.subpath(std::min(static_cast<size_t>(double(uEye) * double(n)), n - 1));
     }
-    trace(stream, partner, static_cast<float>(eyes.subpathCount()), splats, counted);
+    trace(stream, partner, static_cast<float>(eyes.subpathCount()), splats, counted, trail);
 }
 
 void LightPass::trace(SampleStream& stream, std::span<const Vertex> partner, float connectionScale,
-                      SplatList& splats, PhotonDensity* counted) const {
-    LightVisitor visitor(*this, partner, connectionScale, lensCoordinates(stream), splats, counted);
+                      SplatList& splats, PhotonDensity* counted, std::vector<Vec3f>* trail) const {
+    LightVisitor visitor(*this, partner, connectionScale, lensCoordinates(stream), splats, counted, trail);
     traceLightSubpath(scene, stream, limits, strategies, visitor);
 }
 

@@ -34,7 +34,8 @@ TEST_F(CliTest, WithoutACommandItShowsHelpAndFails) {
 TEST_F(CliTest, IntegratorsAreListed) {
     const Outcome outcome = run({"integrators"});
     EXPECT_EQ(outcome.status, 0);
-    for (const char* name : {"mcmc_vcm", "vcm", "bdpt", "path", "light", "pssmlt", "mmlt", "pssmlt_merge"})
+    for (const char* name : {"mcmc_vcm", "vcm", "bdpt", "path", "light", "sppm", "vpt", "split_mcmc",
+                             "pssmlt", "mmlt", "pssmlt_merge"})
         EXPECT_THAT(outcome.out, HasSubstr(name));
 }
 

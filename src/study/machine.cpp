@@ -14,6 +14,12 @@
 namespace metrolux::study {
 namespace {
 
+#if defined(__clang__)
+constexpr const char* kCompiler = __VERSION__;  // names itself
+#else
+constexpr const char* kCompiler = "GCC " __VERSION__;
+#endif
+
 std::string processorName() {
     std::ifstream file("/proc/cpuinfo");
     std::string line;
@@ -44,7 +50,7 @@ nlohmann::json describeMachine(int threads) {
     return {
         {"processor", processorName()}, {"cores", std::thread::hardware_concurrency()},
         {"threads", threads},           {"memory_bytes", pages * pageSize},
-        {"system", systemName()},       {"compiler", __VERSION__},
+        {"system", systemName()},       {"compiler", kCompiler},
         {"tbb", TBB_runtime_version()}, {"load", loadAverage()},
     };
 }

@@ -182,7 +182,7 @@ std::string tableRow(const std::string& label, size_t entrant, const Summary& su
     for (Metric metric : kMetrics) {
         const size_t i = indexOf(metric);
         const std::string text = metric == Metric::Bias
-                                     ? fmt::format("{:+.2f} %", 100 * summary.final[i].mean)
+                                     ? fmt::format("{:.2f} %", 100 * summary.finalAbsoluteBias.mean)
                                      : fmt::format("{:.4g}", summary.final[i].mean);
         row += fmt::format(" {} |", cell(text, rankings[i], entrant));
     }
@@ -244,7 +244,8 @@ std::string curvesCsv(const SceneStudy& study, const Plan& plan) {
 std::string markdownTable(const SceneStudy& study, const Plan& plan) {
     const PerMetric<Ranking> rankings = rank(study.contributions);
     std::string text = fmt::format("| {} |", study.name), rule = "|---|";
-    for (const char* title : kMetricTitles) {
+    for (Metric metric : kMetrics) {
+        const char* title = metric == Metric::Bias ? "\\|bias\\|" : kMetricTitles[indexOf(metric)];
         text += fmt::format(" {} |", title);
         rule += "---|";
     }

@@ -23,14 +23,31 @@ function axisText(value) {
   return `${mantissa === 1 ? "" : `${mantissa}\u00b7`}10${superscript(whole)}`;
 }
 
-// Labels of a logarithmic axis: powers of ten, with 2 and 5 when there are few.
-function logLabels(plot, splits) {
-  const decades = Math.log10(splits[splits.length - 1] / splits[0]);
+// Which lines of a logarithmic axis are drawn and named: powers of ten, more where few of them are seen.
+function isMajor(value, scale) {
+  const decades = Math.log10(scale.max / scale.min);
   const wanted = decades > 2.5 ? [1] : decades > 1.2 ? [1, 3] : [1, 2, 3, 5, 7];
-  return splits.map((v) => {
-    const mantissa = Math.round(v / 10 ** Math.floor(Math.log10(v) + 1e-9));
-    return wanted.includes(mantissa) ? axisText(v) : "";
-  });
+  const mantissa = value / 10 ** Math.floor(Math.log10(value) + 1e-9);
+  return wanted.some((w) => Math.abs(mantissa - w) < 1e-6);
+}
+
+// The lines of an axis that are kept, null for the others.
+function logFilter(name) {
+  return (plot, splits) => splits.map((v) => (isMajor(v, plot.scales[name]) ? v : null));
+}
+
+// All of the curves, and of their bands what lies within this factor of them: a band of three seeds may span decades.
+const kBandShown = 6;
+function verticalRange(data, logarithmic) {
+  const curves = data.slice(1).filter((_, i) => i % 3 === 0).flat().filter((v) => v !== null && v !== undefined);
+  const least = Math.min(...curves);
+  const most = Math.max(...curves);
+  if (!logarithmic) {
+    const reach = Math.max(Math.abs(least), Math.abs(most), 1e-3) * 1.6;
+    return [-reach, reach];
+  }
+  const all = data.slice(1).flat().filter((v) => v > 0);
+  return [Math.max(Math.min(...all), least / kBandShown) / 1.2, Math.min(Math.max(...all), most * kBandShown) * 1.2];
 }
 
 export class Chart {
@@ -108,10 +125,10 @@ export class Chart {
     const tables = shown.map((e) => this.#tableOf(e));
     const noise = this.#noiseTable(tables);
     const data = uPlot.join([...tables, ...noise]);
-    this.plot = new uPlot(this.#options(shown, noise.length > 0), data, this.holder);
+    this.plot = new uPlot(this.#options(shown, data, noise.length > 0), data, this.holder);
   }
 
-  #options(shown, withNoise) {
+  #options(shown, data, withNoise) {
     const series = [{}];
     const bands = [];
     for (const entrant of shown) {
@@ -130,16 +147,24 @@ export class Chart {
     if (withNoise) series.push({ stroke: text, width: 1, dash: [5, 5], spanGaps: true, points: { show: false } });
     const bias = this.metric === "bias";
     const font = "12px system-ui, sans-serif";
-    const axis = { stroke: text, grid, ticks: grid, font, labelFont: font, labelSize: 22 };
+    const axis = { stroke: text, grid, ticks: grid, font, labelFont: font, labelSize: 20, size: 34 };
+    const logarithmic = (name) => {
+      const lines = { ...grid, filter: logFilter(name) };
+      const values = (plot, splits) => splits.map((v) => (v === null ? "" : axisText(v)));
+      return { grid: lines, ticks: lines, filter: logFilter(name), values };
+    };
     return {
       width: this.holder.clientWidth,
       height: kHeight,
       legend: { show: false },
       cursor: { points: { size: 7 }, drag: { x: false, y: false } },
-      scales: { x: { time: false, distr: 3 }, y: bias ? {} : { distr: 3 } },
+      scales: {
+        x: { time: false, distr: 3, range: (plot, least, most) => [least / 1.15, most * 1.15] },
+        y: { distr: bias ? 1 : 3, range: () => verticalRange(data, !bias) },
+      },
       axes: [
-        { ...axis, values: logLabels, label: this.abscissa === "seconds" ? "seconds of rendering" : "passes" },
-        { ...axis, size: 64, ...(bias ? {} : { values: logLabels }), label: this.#axisName() },
+        { ...axis, ...logarithmic("x"), label: this.abscissa === "seconds" ? "seconds of rendering" : "passes" },
+        { ...axis, size: 64, ...(bias ? {} : logarithmic("y")), label: this.#axisName() },
       ],
       series,
       bands,

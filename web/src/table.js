@@ -32,11 +32,12 @@ function errorCell(study, entrant, metric) {
   return markedCell(winner, entrant.label, numberText(interval.mean), small, intervalText(interval, numberText));
 }
 
+// Judged by its size in each run; the signed mean below tells a bias from noise.
 function biasCell(study, entrant) {
-  const interval = entrant.summary.final.bias;
-  const reach = interval.high === null ? "" : `\u00b1 ${(100 * (interval.high - interval.mean)).toFixed(2)}`;
-  return markedCell(study.winners.bias, entrant.label, percentText(interval.mean), reach,
-    intervalText(interval, percentText));
+  const { final_absolute_bias: size, final } = entrant.summary;
+  const reach = final.bias.high === null ? "" : ` \u00b1 ${(100 * (final.bias.high - final.bias.mean)).toFixed(2)}`;
+  return markedCell(study.winners.bias, entrant.label, `${(100 * size.mean).toFixed(2)} %`,
+    `${percentText(final.bias.mean).replace(" %", "")}${reach}`, intervalText(final.bias, percentText));
 }
 
 function rateCell(entrant) {
@@ -64,7 +65,7 @@ function row(study, entrant, colours) {
 }
 
 export function fillTable(study, colours) {
-  const titles = ["integrator", ...kErrors.map(([, title]) => title), "bias", "relMSE \u00d7 s", "rate", "passes"];
+  const titles = ["integrator", ...kErrors.map(([, title]) => title), "|bias|", "relMSE \u00d7 s", "rate", "passes"];
   const head = element("thead", {}, element("tr", {}, ...titles.map((t) => element("th", { scope: "col" }, t))));
   const body = element("tbody", {}, ...study.entrants.map((e) => row(study, e, colours)));
   document.getElementById("table").replaceChildren(head, body);
@@ -73,6 +74,6 @@ export function fillTable(study, colours) {
       ? "\u2248: Welch's test over the seeds does not tell it from the best (p > 0.05). "
       : "One seed: nothing says which differences are noise. ";
   document.getElementById("table-caption").textContent =
-    `Geometric means of errors over the seeds, means of the bias with 95 % intervals. ${tests}` +
+    `Geometric means of errors over the seeds; mean size of the bias, below it the signed mean with its 95 % interval. ${tests}` +
     "Rate: slope of log relMSE over log time with its standard error; \u22121 is Monte Carlo\u2019s.";
 }

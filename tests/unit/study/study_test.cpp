@@ -9,7 +9,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <fstream>
+#include <cmath>
+#include <set>
 #include <sstream>
 #include <unistd.h>
 
@@ -59,7 +60,7 @@ TEST_F(SmallStudy, RunsEveryIntegratorWithEverySeed) {
     EXPECT_THAT(order, ElementsAre("path1", "vcm1", "path2", "vcm2"));
     for (const Contribution& contribution : study.contributions) {
         ASSERT_EQ(contribution.runs.size(), 2u);
-        for (const Run& run : contribution.runs) {
+        for (const study::Run& run : contribution.runs) {
             EXPECT_EQ(run.reason, StopReason::Passes);
             ASSERT_EQ(run.measurements.size(), 4u) << "passes 1, 2, 3, 4";
             EXPECT_EQ(run.measurements.back().passes, 4u);
@@ -78,7 +79,7 @@ TEST_F(SmallStudy, EqualTimeStopsNearTheLimitAndCountsRenderingOnly) {
     plan.seeds = 1;
     runStudy(*scene, plan, study, {});
     for (const Contribution& contribution : study.contributions) {
-        const Run& run = contribution.runs.front();
+        const study::Run& run = contribution.runs.front();
         EXPECT_EQ(run.reason, StopReason::Time);
         EXPECT_GE(run.measurements.front().seconds, run.setupSeconds);
         EXPECT_GT(run.measurements.back().seconds, 0.1);
@@ -216,7 +217,7 @@ TEST_F(SmallStudy, JsonAgreesWithTheRuns) {
     for (size_t e = 0; e < 2; ++e) {
         const auto& entry = json["entrants"][e];
         double logs = 0;
-        for (const Run& run : study.contributions[e].runs)
+        for (const study::Run& run : study.contributions[e].runs)
             logs += std::log(run.measurements.back().values[indexOf(Metric::Mse)]) / 2;
         EXPECT_NEAR(entry["summary"]["final"]["mse"]["mean"].get<double>(), std::exp(logs), 1e-12);
         EXPECT_EQ(entry["runs"][1]["exr"], runFiles(plan.entrants[e], 2).exr);

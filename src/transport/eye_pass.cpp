@@ -1,6 +1,7 @@
 #include "transport/eye_pass.h"
 
 #include "base/parallel.h"
+#include "sampling/streams.h"
 #include "transport/connect.h"
 #include "transport/subpath.h"
 

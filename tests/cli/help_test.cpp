@@ -9,8 +9,11 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST_F(CliTest, HelpTeachesWithExamples) {
-    for (const std::vector<std::string>& command :
-         {std::vector<std::string>{"--help"}, {"render", "--help"}, {"compare", "--help"}, {"info", "-h"}}) {
+    for (const std::vector<std::string>& command : {std::vector<std::string>{"--help"},
+                                                    {"render", "--help"},
+                                                    {"compare", "--help"},
+                                                    {"study", "--help"},
+                                                    {"info", "-h"}}) {
         const Outcome outcome = run(command);
         EXPECT_EQ(outcome.status, 0) << command[0];
         EXPECT_THAT(outcome.out, HasSubstr("Examples:\n  metrolux ")) << command[0];

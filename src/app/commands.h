@@ -18,6 +18,7 @@ enum ExitStatus : int {
 using Run = std::function<int()>;
 Run addRenderCommand(CLI::App& parent);
 Run addCompareCommand(CLI::App& parent);
+Run addStudyCommand(CLI::App& parent);
 Run addInfoCommand(CLI::App& parent);
 Run addIntegratorsCommand(CLI::App& parent);
 

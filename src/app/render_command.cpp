@@ -1,6 +1,7 @@
 #include "app/commands.h"
 #include "app/interrupt.h"
 #include "app/option_parsing.h"
+#include "app/render_options.h"
 #include "app/validators.h"
 #include "base/error.h"
 #include "base/suggest.h"
@@ -28,15 +29,6 @@ constexpr const char* kExamples = R"(Examples:
 
 Ctrl-C ends the pass in progress, writes the image and exits with status 3; a second Ctrl-C exits at once.
 The same scene, options and number of passes give the same image on any number of threads.)";
-
-struct RenderArguments {
-    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel = "kelemen";
-    std::vector<std::string> outputs, defines, aovs;
-    SessionOptions session;
-    int threads = 0;
-    int maxDepth = 0;  // 0: the scene's
-    bool lenient = false, quiet = false;
-};
 
 void addOutputOptions(CLI::App& app, RenderArguments& a) {
     const char* const group = "Output";
@@ -86,9 +78,10 @@ void addLimitOptions(CLI::App& app, RenderArguments& a) {
         ->group(group);
 }
 
+}  // namespace
+
 void addSceneOptions(CLI::App& app, RenderArguments& a) {
     const char* const group = "Scene";
-    app.add_option("scene", a.scene, "Mitsuba scene: XML of version 3.x, 2.x, 0.6 or 0.5")->required();
     app.add_option("-D,--define", a.defines, "Value for a <default> or $parameter of the scene")
         ->option_text("NAME=VALUE")
         ->allow_extra_args(false)
@@ -131,25 +124,40 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->check(realNumber(false))
         ->group(group);
     app.add_option("--replicas", integrator.replicas,
-                   "mcmc_vcm: chains that take part, of u (uniform), v (visibility) and f\n(contribution) "
-                   "(default: uvf)")
+                   "mcmc_vcm, vpt, split_mcmc: chains that take part, of u (uniform), v (visibility)\nand f "
+                   "(contribution, mcmc_vcm only) (default: all)")
         ->option_text("uvf")
         ->group(group);
-    app.add_option("--kernel", a.kernel,
-                   "mcmc_vcm: mutation, `kelemen` (default) or `adaptive` (the paper's, larger steps)")
+    app.add_option(
+           "--kernel", a.kernel,
+           "Mutation of chains: `kelemen` (default) or `adaptive` (the paper's, larger steps;\ndefault of "
+           "vpt and split_mcmc)")
         ->option_text("NAME")
         ->check(CLI::IsMember({"kelemen", "adaptive"}))
         ->group(group);
+    app.add_option("--large-step", integrator.largeStep,
+                   "pssmlt, mmlt, pssmlt_merge: probability of a step to a uniform sample (default: 0.3)")
+        ->option_text("P")
+        ->check(CLI::Range(0.0, 1.0))
+        ->group(group);
+    app.add_option("--method", a.method,
+                   "pssmlt_merge: light subpaths for merging from a visibility chain (B, default)\nor from "
+                   "pssmlt's own states (A, experimental: biased)")
+        ->option_text("B|A")
+        ->check(CLI::IsMember({"A", "B"}))
+        ->group(group);
     app.add_option("--chain-inefficiency", integrator.chainInefficiency,
-                   "mcmc_vcm: steps of a chain that count as one independent sample in the weights (default: "
+                   "mcmc_vcm, vpt, split_mcmc: steps of a chain that count as one independent sample in the "
+                   "weights (default: "
                    "4); changes noise, not brightness")
         ->option_text("G")
         ->check(CLI::Range(1.0, 1e6))
         ->group(group);
-    app.add_flag("!--no-correlation-aware", integrator.correlationAware,
-                 "vcm, mcmc_vcm: weigh merges that share an eye vertex as if they were independent")
+    app.add_flag(
+           "!--no-correlation-aware", integrator.correlationAware,
+           "vcm, mcmc_vcm, split_mcmc: weigh merges that share an eye vertex as if they were independent")
         ->group(group);
-    app.add_option("--lanes", integrator.lanes, "mcmc_vcm: number of independent sets of chains")
+    app.add_option("--lanes", integrator.lanes, "Number of independent sets of chains")
         ->option_text("N")
         ->check(wholeNumber(1, 1 << 20))
         ->group(group);
@@ -167,6 +175,8 @@ void addMachineOptions(CLI::App& app, RenderArguments& a) {
         ->group(group);
 }
 
+namespace {
+
 size_t halfOfPhysicalMemory() {
     const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGE_SIZE);
     return pages > 0 && size > 0 ? static_cast<size_t>(pages) / 2 * static_cast<size_t>(size) : 0;
@@ -177,28 +187,44 @@ void checkReplicas(const std::string& replicas) {
         throw Error("--replicas {}: expected some of the letters u, v and f", replicas);
 }
 
+void checkIntegratorName(const std::string& name) {
+    if (name == "scene") return;
+    std::vector<std::string> names;
+    for (const auto& [known, description] : integratorList()) names.push_back(known);
+    if (std::find(names.begin(), names.end(), name) != names.end()) return;
+    const std::string nearest = nearestName(name, names);
+    throw Error("unknown integrator '{}'{}; `metrolux integrators` lists them", name,
+                nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
+}
+
+}  // namespace
+
+void prepareAlgorithm(RenderArguments& a) {
+    IntegratorOptions& options = a.session.integratorOptions;
+    options.memoryBytes = a.memory.empty() ? halfOfPhysicalMemory() : parseMemory(a.memory);
+    if (options.replicas) checkReplicas(*options.replicas);
+    if (!a.kernel.empty())
+        options.kernel =
+            a.kernel == "adaptive" ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
+    options.mergeMethod = a.method.front();
+    checkIntegratorName(a.session.integrator);
+}
+
+namespace {
+
 /// Checks all values and outputs before anything expensive begins.
 void prepare(RenderArguments& a) {
     SessionOptions& session = a.session;
     session.version = METROLUX_VERSION;
     if (!a.time.empty()) session.limits.seconds = parseDuration(a.time);
     if (!session.limits.any()) session.limits.seconds = 60;
-    session.integratorOptions.memoryBytes = a.memory.empty() ? halfOfPhysicalMemory() : parseMemory(a.memory);
-    checkReplicas(session.integratorOptions.replicas);
+    prepareAlgorithm(a);
     session.display.curve = toneCurveFromName(a.curve).value();
     for (const std::string& name : a.aovs) session.aovs.push_back(aovFromName(name));
     if (a.outputs.empty()) a.outputs.push_back(fs::path(a.scene).stem().string() + ".exr");
     session.outputs.assign(a.outputs.begin(), a.outputs.end());
     const OutputSet checked(session.outputs, session.display);
     if (!a.stats.empty()) checkWritable(a.stats);
-    if (session.integrator == "scene") return;
-    std::vector<std::string> names;
-    for (const auto& [name, description] : integratorList()) names.push_back(name);
-    if (std::find(names.begin(), names.end(), session.integrator) == names.end()) {
-        const std::string nearest = nearestName(session.integrator, names);
-        throw Error("unknown integrator '{}'{}; `metrolux integrators` lists them", session.integrator,
-                    nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
-    }
 }
 
 LoadOptions loadOptions(const RenderArguments& a) {
@@ -220,6 +246,19 @@ LoadOptions loadOptions(const RenderArguments& a) {
     }
     return options;
 }
+
+}  // namespace
+
+SceneParts loadSceneParts(const fs::path& file, const RenderArguments& a) {
+    SceneParts parts = loadScene(file, loadOptions(a));
+    if (!a.filter.empty()) {
+        parts.filterKind = filterKind(a.filter);
+        parts.filter = {};
+    }
+    return parts;
+}
+
+namespace {
 
 void reportNonFinite(const nlohmann::json& counts) {
     for (const auto& [technique, count] : counts.items())
@@ -251,24 +290,18 @@ int conclude(const SessionResult& result, const RenderArguments& a) {
     return result.reason == StopReason::Interrupted ? kInterrupted : kDone;
 }
 
-int render(RenderArguments& a, const CLI::App& app) {
+int render(RenderArguments& a) {
     if (a.quiet) spdlog::set_level(spdlog::level::warn);
     prepare(a);
-    const LoadOptions load = loadOptions(a);
     catchInterrupts();
     ThreadLimit limit(a.threads);
     return limit.execute([&] {
-        SceneParts parts = loadScene(a.scene, load);
+        SceneParts parts = loadSceneParts(a.scene, a);
         for (const std::string& warning : parts.warnings) spdlog::warn("{}", warning);
-        if (!a.filter.empty()) {
-            parts.filterKind = filterKind(a.filter);
-            parts.filter = {};
-        }
         const Scene scene(std::move(parts));
-        a.session.integratorOptions.adaptiveKernel = a.kernel == "adaptive";
         PathLimits& limits = a.session.integratorOptions.limits;
         limits = scene.parts().limits;
-        if (app.count("--max-depth") > 0) limits.maxDepth = a.maxDepth;
+        if (a.maxDepth) limits.maxDepth = *a.maxDepth;
         RenderSession session(scene, a.session);
         const FilmWindow& window = scene.camera().window();
         spdlog::info("{}: {}x{} pixels, integrator {}, {} threads", a.scene, window.width, window.height,
@@ -286,12 +319,14 @@ Run addRenderCommand(CLI::App& parent) {
     CLI::App* app = parent.add_subcommand("render", "Render a scene to image files");
     app->footer(kExamples);
     auto arguments = std::make_shared<RenderArguments>();
+    app->add_option("scene", arguments->scene, "Mitsuba scene: XML of version 3.x, 2.x, 0.6 or 0.5")
+        ->required();
     addSceneOptions(*app, *arguments);
     addOutputOptions(*app, *arguments);
     addLimitOptions(*app, *arguments);
     addAlgorithmOptions(*app, *arguments);
     addMachineOptions(*app, *arguments);
-    return [arguments, app] { return render(*arguments, *app); };
+    return [arguments] { return render(*arguments); };
 }
 
 }  // namespace metrolux::app

@@ -68,6 +68,18 @@ Vec2f Film::samplePosition(uint32_t pixel, const Vec2f& u, float& weight) const 
     return {px, py};
 }
 
+RasterRectangle Film::reach() const {
+    // From the centre of a pixel the filter reaches one radius.
+    const float margin = filter_.radius() - 0.5f;
+    const auto low = [&](int begin) { return std::max(0.0f, static_cast<float>(begin) - margin); };
+    const auto high = [&](int end, int full) {
+        return std::min(static_cast<float>(full), static_cast<float>(end) + margin);
+    };
+    return {{low(window_.x), low(window_.y)},
+            {high(window_.x + window_.width, window_.fullWidth),
+             high(window_.y + window_.height, window_.fullHeight)}};
+}
+
 void Film::addEye(uint32_t pixel, const Rgb& value) {
     if (rejectNonFinite(value, Technique::Hit)) return;
     std::array<double, 3>& eye = implementation_->pixels[pixel].eye;

@@ -16,6 +16,19 @@ namespace metrolux {
 enum class Technique : uint8_t { Hit, Nee, Connect, Splat, Merge, Count };
 const char* techniqueName(Technique technique);
 
+/// A rectangle of raster positions, in pixels of the full image.
+struct RasterRectangle {
+    Vec2f lower, upper;
+    float area() const { return (upper.x - lower.x) * (upper.y - lower.y); }
+    bool contains(const Vec2f& p) const {
+        return p.x >= lower.x && p.x <= upper.x && p.y >= lower.y && p.y <= upper.y;
+    }
+    /// Point of the rectangle, from the unit square.
+    Vec2f at(const Vec2f& u) const {
+        return {lower.x + u.x * (upper.x - lower.x), lower.y + u.y * (upper.y - lower.y)};
+    }
+};
+
 /// Accumulates an image pass by pass. The result does not depend on the order of calls within a pass:
 /// eye contributions of a pixel come from one task, splats are summed in fixed point.
 class Film {
@@ -32,6 +45,10 @@ class Film {
     /// drawn from the reconstruction filter; `weight` is the filter's sign and normalisation, to be
     /// multiplied into the subpath's throughput.
     Vec2f samplePosition(uint32_t pixel, const Vec2f& u, float& weight) const;
+
+    /// The raster positions whose splats reach a pixel of the window: the window and the filter's radius
+    /// around it, within the image.
+    RasterRectangle reach() const;
 
     /// Adds to a pixel what its own eye subpath found. One task per pixel; not atomic.
     void addEye(uint32_t pixel, const Rgb& value);

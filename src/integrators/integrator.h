@@ -1,10 +1,12 @@
 #pragma once
 #include "image/film.h"
+#include "markov/mutation.h"
 #include "scene/scene.h"
 
 #include <nlohmann/json_fwd.hpp>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,16 +16,20 @@ namespace metrolux {
 struct IntegratorOptions {
     uint64_t seed = 0;
     PathLimits limits;
-    double radius = 0;            ///< first merging radius in scene units; 0: from the projected pixel size
-    double radiusAlpha = 0.75;    ///< [HPJ12] schedule
-    size_t memoryBytes = 0;       ///< bound for what a pass stores; 0: no bound
-    bool adaptiveKernel = false;  ///< mutation of the supplement's eq. 4-5 in place of [Kel02]'s
+    double radius = 0;          ///< first merging radius in scene units; 0: from the projected pixel size
+    double radiusAlpha = 0.75;  ///< [HPJ12] schedule
+    size_t memoryBytes = 0;     ///< bound for what a pass stores; 0: no bound
+    std::optional<MutationKernel::Kind> kernel;  ///< mutation of the chains; absent: the integrator's own
+    double largeStep = 0.3;  ///< pssmlt, mmlt, pssmlt_merge: probability of a uniform proposal
     /// mcmc_vcm: statistical inefficiency g of the chains; a step counts as 1/g sample in all weights. Any
     /// value is unbiased.
     double chainInefficiency = 4;
     bool correlationAware = true;  ///< vcm, mcmc_vcm: Strategies::mergeShare()
-    int lanes = 0;                 ///< mcmc_vcm: number of independent lanes; 0: default
-    std::string replicas = "uvf";  ///< mcmc_vcm: which replicas take part (study of each alone)
+    char mergeMethod = 'B';        ///< pssmlt_merge: method of the supplement's 4.1.1, 'B' or 'A'
+    int lanes = 0;                 ///< chains: number of independent lanes; 0: default
+    /// mcmc_vcm, vpt, split_mcmc: which replicas take part (study of each alone); absent: all of the
+    /// integrator's.
+    std::optional<std::string> replicas;
 };
 
 /// A progressive integrator: an image after each pass (nori's integrator.h, with passes).

@@ -63,6 +63,16 @@ double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options
     return count > 0 && sum > 0 ? kFootprints * sum / count : kFallbackFraction * scene.bounds().radius;
 }
 
+void directPass(const Scene& scene, const PathLimits& limits, uint64_t seed, std::span<const uint32_t> pixels,
+                Film& film) {
+    const Strategies strategies = Strategies::bidirectional(1, 0);
+    EyePass pass{scene, limits, strategies, seed, film.passes()};
+    pass.nextEvent = pass.keepVertices = pass.hit = false;
+    pass.deepest = 1;
+    EyeVertices none;
+    pass.run(pixels, film, none);
+}
+
 uint64_t lightSubpathKey(uint64_t seed, uint32_t passIndex, size_t index) {
     return hashKey(seed, StreamPurpose::LightSubpath, passIndex, index);
 }

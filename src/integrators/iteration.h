@@ -44,6 +44,11 @@ class RadiusSchedule {
 /// Edge of a PhotonDensity's cell in first merging radii: a compromise of noise and detail.
 inline constexpr double kPhotonCell = 8;
 
+/// The pass of emitters that the camera sees directly (paths of one edge), one eye ray for each of `pixels`.
+/// Integrators that find all other light by light subpaths or chains add it.
+void directPass(const Scene& scene, const PathLimits& limits, uint64_t seed, std::span<const uint32_t> pixels,
+                Film& film);
+
 /// First merging radius: a multiple of the mean width of a pixel's footprint on the surfaces that the camera
 /// sees (through mirrors and glass, at the first smooth surface). Falls back to a fraction of the scene if it
 /// sees none.

@@ -41,12 +41,8 @@ class LightIntegrator final : public Integrator {
 
     void renderPass(Film& film) override {
         const Strategies strategies = Strategies::bidirectional(1, 0);
-        EyePass eyePass{scene_, options_.limits, strategies, options_.seed, film.passes()};
-        eyePass.nextEvent = eyePass.keepVertices = eyePass.hit = false;
-        eyePass.deepest = 1;
-        EyeVertices none;
-        eyePass.run(pixels_, film, none);
-
+        directPass(scene_, options_.limits, options_.seed, pixels_, film);
+        const EyeVertices none;
         const VertexGrid grid;
         LightPass lightPass{scene_, options_.limits, strategies, none, grid, film};
         lightPass.connect = lightPass.merge = lightPass.weighted = false;

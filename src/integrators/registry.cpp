@@ -2,7 +2,12 @@
 #include "base/suggest.h"
 #include "integrators/integrator.h"
 #include "integrators/mcmc_vcm.h"
+#include "integrators/mmlt.h"
 #include "integrators/path.h"
+#include "integrators/photon_mapping.h"
+#include "integrators/pssmlt.h"
+#include "integrators/pssmlt_merge.h"
+#include "integrators/split_mcmc.h"
 #include "integrators/vcm.h"
 
 #include <functional>
@@ -23,7 +28,16 @@ constexpr Entry kIntegrators[] = {
     {"vcm", "vertex connection and merging, independent light subpaths", makeVcmIntegrator},
     {"bdpt", "bidirectional path tracing", makeBdptIntegrator},
     {"path", "path tracing with next-event estimation", makePathIntegrator},
+    {"sppm", "stochastic progressive photon mapping", makeSppmIntegrator},
+    {"vpt", "photon mapping whose photons are driven to where the camera sees them", makeVptIntegrator},
+    {"split_mcmc", "VCM with eye and light subpaths from separate visibility-driven chains",
+     makeSplitMcmcIntegrator},
     {"light", "light tracing: light subpaths connected to the camera", makeLightIntegrator},
+    {"pssmlt", "primary sample space Metropolis light transport on bidirectional path tracing",
+     makePssmltIntegrator},
+    {"mmlt", "multiplexed Metropolis light transport: chains choose technique and path", makeMmltIntegrator},
+    {"pssmlt_merge", "pssmlt that also merges with light subpaths from chains (method A or B of the paper)",
+     makePssmltMergeIntegrator},
 };
 
 }  // namespace

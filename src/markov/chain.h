@@ -18,6 +18,16 @@ struct MarkovState {
     double weight = 0;
 };
 
+/// Evaluates a uniform sample whose coordinates are the numbers of CounterRng(key): the key makes it again.
+template <class Value, class Evaluate>
+void uniformSample(Evaluate&& evaluate, MarkovState<Value>& state, uint64_t key) {
+    state.u.clear();
+    state.weight = 0;
+    CounterRng rng(key);
+    PrimarySampleStream stream(state.u, rng);
+    evaluate(stream, state.value);
+}
+
 /// Metropolis-Hastings with a symmetric kernel. `Target` is callable: double(const Value&), not negative.
 template <class Value, class Target>
 class MarkovChain {
@@ -38,16 +48,23 @@ class MarkovChain {
         proposal.weight = 0;
         PrimarySampleStream stream(proposal.u, rng);
         evaluate(stream, proposal.value);
-        const double now = target_(state_.value), then = target_(proposal.value);
-        return now > 0 ? std::min(1.0, then / now) : (then > 0 ? 1.0 : 0.0);
+        return acceptance(proposal);
+    }
+
+    /// As propose() with an independent uniform sample in place of a mutation (the large step of [Kel02]):
+    /// the one of stream `key`, see uniformSample().
+    template <class Evaluate>
+    double proposeUniform(Evaluate&& evaluate, MarkovState<Value>& proposal, uint64_t key) {
+        uniformSample(evaluate, proposal, key);
+        return acceptance(proposal);
     }
 
     /// Decides about the proposal. On acceptance the two states are exchanged: `proposal` then holds the old
-    /// one.
-    bool decide(double acceptance, MarkovState<Value>& proposal, CounterRng& rng) {
+    /// one. `mutated`: the proposal is a mutation, whose step the kernel adapts.
+    bool decide(double acceptance, MarkovState<Value>& proposal, CounterRng& rng, bool mutated = true) {
         const bool accepted = rng.nextDouble() < acceptance;
         if (accepted) std::swap(state_, proposal);
-        kernel_.adapt(accepted);
+        if (mutated) kernel_.adapt(accepted);
         return accepted;
     }
 
@@ -59,6 +76,11 @@ class MarkovChain {
     }
 
   private:
+    double acceptance(const MarkovState<Value>& proposal) const {
+        const double now = target_(state_.value), then = target_(proposal.value);
+        return now > 0 ? std::min(1.0, then / now) : (then > 0 ? 1.0 : 0.0);
+    }
+
     MutationKernel kernel_;
     Target target_;
     MarkovState<Value> state_;

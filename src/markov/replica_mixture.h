@@ -17,6 +17,9 @@ struct ReplicaMixture {
     /// 1997, section 5.1], and errors of b_V and b_F cost efficiency only. 1 for chains in equilibrium with
     /// exact normalisations.
     double visibilityScale = 1, contributionScale = 1;
+    /// Weight of an invisible uniform sample: 0 where what is invisible contributes nothing, 1 / n_U where it
+    /// may (no other replica makes it).
+    double invisibleWeight = 0;
 
     double samples() const { return uniform + visibility + contribution; }
     /// Weight of a uniform sample of this size F: 1 / (n_U + n_V / (g b_V) + n_F F / (g b_F)); 0 if it is

@@ -10,7 +10,8 @@ enum class StreamPurpose : uint64_t {
     LightSubpath = 2,
     Chain = 3,
     Seeding = 4,
-    Replacement = 5
+    Replacement = 5,
+    EyeChain = 6
 };
 
 /// Independent uniform numbers; coordinate c of the stream depends on (key, c) only.
@@ -26,6 +27,28 @@ class IndependentStream final : public SampleStream {
 
   private:
     CounterRng rng_;
+};
+
+/// One of several streams that share the coordinates of another: their blocks take turns, so that the blocks
+/// of one depth stay together. The streams are independent because no coordinate belongs to two. As they
+/// share a position too, seek before reading.
+class InterleavedStream final : public SampleStream {
+  public:
+    /// The index-th of `count` streams.
+    InterleavedStream(SampleStream& base, int index, int count) : base_(base), index_(index), count_(count) {}
+    void seek(int block) override {
+        const int size = block == 0 ? kEndpointBlock : kVertexBlock;
+        base_.seek(blockAt(count_ * blockOffset(block) + index_ * size));
+    }
+    float next1D() override { return base_.next1D(); }
+    Vec2f next2D() override { return base_.next2D(); }
+
+  private:
+    static_assert(kEndpointBlock % kVertexBlock == 0, "else a block could begin within one of the base's");
+    static int blockAt(int offset) { return offset == 0 ? 0 : 1 + (offset - kEndpointBlock) / kVertexBlock; }
+
+    SampleStream& base_;
+    int index_, count_;
 };
 
 /// Owen-scrambled Sobol points: one- and two-dimensional patterns, padded (each block's coordinates are

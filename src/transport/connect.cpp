@@ -109,7 +109,7 @@ Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vert
 }
 
 Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
-                  double inverseDiskArea) {
+                  double inverseDiskArea, bool weighted) {
     constexpr float kMinimalNormalAgreement = 0.5f;
     if (dot(light.si.ng, eye.si.ng) < kMinimalNormalAgreement) return Rgb(0.0f);
     // The density of photons on the surface is proportional to the cosine at the light vertex, S to that of
@@ -119,7 +119,8 @@ Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Verte
     const VertexScattering s = scatterEye(eye, light.toPrevious);
     if (isBlack(s.value)) return Rgb(0.0f);
     const double weight =
-        mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse, eye.mergeShare);
+        weighted ? mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse, eye.mergeShare)
+                 : 1;
     return light.throughput * eye.throughput * s.value *
            static_cast<float>(weight * inverseDiskArea / cosineLight);
 }

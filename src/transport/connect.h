@@ -27,8 +27,9 @@ Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vert
 Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vertex& eye);
 
 /// Light vertex merged with an eye vertex at distance <= radius; the value is multiplied by 1 / (pi r^2).
-/// Photons from the other side of a thin wall are refused by their normals.
+/// Photons from the other side of a thin wall are refused by their normals. `weighted` false: weight one
+/// (photon mapping).
 Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
-                  double inverseDiskArea);
+                  double inverseDiskArea, bool weighted = true);
 
 }  // namespace metrolux

@@ -9,60 +9,66 @@ namespace metrolux {
 
 namespace {
 
-/// Adds hit and nee of one eye subpath and keeps its vertices.
+/// Adds up hit and nee of one eye subpath and keeps its vertices.
 class EyeVisitor final : public SubpathVisitor {
   public:
-    EyeVisitor(const EyePass& pass, Film& film, std::vector<Vertex>& kept)
-        : pass_(pass), film_(film), kept_(kept) {}
+    EyeVisitor(const EyePass& pass, SampleStream& nee, Film& film, std::vector<Vertex>& kept)
+        : pass_(pass), nee_(nee), film_(film), kept_(kept) {}
 
-    void begin(uint64_t key, uint32_t index) {
-        sum_ = Rgb(0.0f);
-        nee_.emplace(hashKey(key, 0x6e6565), index);
-    }
     const Rgb& sum() const { return sum_; }
 
     bool surface(const Vertex& v) override {
         const PathLimits& limits = pass_.limits;
-        if (v.si.shape->emitter && countsHit(v.depth))
-            add(hitLight(pass_.scene, pass_.strategies, v), Technique::Hit);
+        if (v.si.shape->emitter && countsHit(v.depth)) add(hitLight(pass_.scene, pass_.strategies, v));
         if (pass_.deepest >= 0 && v.depth >= pass_.deepest) return false;
         if (v.bsdf().hasSmoothLobe()) {
             const bool extensible = limits.maxDepth < 0 || v.depth < limits.maxDepth;
-            if (pass_.nextEvent && extensible) {
-                nee_->seek(v.depth);
-                const float uLight = nee_->next1D();
-                nee_->next1D();  // keeps the pair that follows aligned
-                add(connectToLight(pass_.scene, pass_.strategies, v, uLight, nee_->next2D()), Technique::Nee);
-            }
+            if (pass_.nextEvent && extensible) sum_ += pass_.estimateDirect(v, nee_, film_);
             if (pass_.keepVertices && extensible) kept_.push_back(v);
         }
         return true;
     }
 
+    bool scattered(bool delta) override { return delta || pass_.beyondSmooth; }
+
     void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput, const MisState& mis,
                  int depth) override {
         if (countsHit(depth))
-            add(hitEnvironment(pass_.scene, pass_.strategies, from, direction, throughput, mis, depth),
-                Technique::Hit);
+            add(hitEnvironment(pass_.scene, pass_.strategies, from, direction, throughput, mis, depth));
     }
 
   private:
     bool countsHit(int depth) const {
-        if (depth == 1) return !pass_.limits.hideEmitters;
+        if (depth == 1) return pass_.direct && !pass_.limits.hideEmitters;
         return pass_.hit;
     }
-    void add(const Rgb& value, Technique technique) {
-        if (!film_.rejectNonFinite(value, technique)) sum_ += value;
+    void add(const Rgb& value) {
+        if (!film_.rejectNonFinite(value, Technique::Hit)) sum_ += value;
     }
 
     const EyePass& pass_;
+    SampleStream& nee_;
     Film& film_;
     std::vector<Vertex>& kept_;
-    std::optional<SobolStream> nee_;
-    Rgb sum_;
+    Rgb sum_{0.0f};
 };
 
 }  // namespace
+
+Rgb EyePass::estimateDirect(const Vertex& v, SampleStream& nee, Film& film) const {
+    nee.seek(v.depth);
+    const float uLight = nee.next1D();
+    nee.next1D();  // keeps the pair that follows aligned
+    const Rgb value = connectToLight(scene, strategies, v, uLight, nee.next2D());
+    return film.rejectNonFinite(value, Technique::Nee) ? Rgb(0.0f) : value;
+}
+
+Rgb EyePass::trace(SampleStream& stream, SampleStream& nee, const Vec2f& raster, float weight, uint32_t pixel,
+                   Film& film, std::vector<Vertex>& kept) const {
+    EyeVisitor visitor(*this, nee, film, kept);
+    traceEyeSubpath(scene, stream, limits, strategies, raster, weight, pixel, visitor);
+    return visitor.sum();
+}
 
 void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& result) const {
     constexpr size_t kChunk = 256;
@@ -71,21 +77,18 @@ void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& res
     result.starts_.assign(keepVertices ? pixels.size() + 1 : 0, 0);
 
     parallelFor(chunks, [&](size_t chunk) {
-        EyeVisitor visitor(*this, film, kept[chunk]);
         for (size_t i = chunk * kChunk; i < std::min(pixels.size(), (chunk + 1) * kChunk); ++i) {
             const uint32_t pixel = pixels[i];
             // Keyed by the position in the full image, so that a crop repeats the samples of the whole.
             const FilmWindow& w = film.window();
             const uint64_t x = w.x + pixel % w.width, y = w.y + pixel / w.width;
             const uint64_t key = hashKey(seed, StreamPurpose::EyeSubpath, x, y);
-            SobolStream stream(key, pass);
+            SobolStream stream(key, pass), nee(hashKey(key, 0x6e6565), pass);
             stream.seek(0);
             float weight = 1;
             const Vec2f raster = film.samplePosition(pixel, stream.next2D(), weight);
-            visitor.begin(key, pass);
             const size_t before = kept[chunk].size();
-            traceEyeSubpath(scene, stream, limits, strategies, raster, weight, pixel, visitor);
-            film.addEye(pixel, visitor.sum());
+            film.addEye(pixel, trace(stream, nee, raster, weight, pixel, film, kept[chunk]));
             if (keepVertices) result.starts_[i + 1] = kept[chunk].size() - before;
         }
     });

@@ -1,5 +1,6 @@
 #pragma once
 #include "image/film.h"
+#include "sampling/sample_stream.h"
 #include "scene/scene.h"
 #include "transport/vertex.h"
 
@@ -22,6 +23,16 @@ class EyeVertices {
         return vertices_.capacity() * sizeof(Vertex) + starts_.capacity() * sizeof(size_t);
     }
 
+    void clear() {
+        vertices_.clear();
+        starts_.assign(1, 0);
+    }
+    /// Adds a subpath.
+    void append(std::span<const Vertex> subpath) {
+        vertices_.insert(vertices_.end(), subpath.begin(), subpath.end());
+        starts_.push_back(vertices_.size());
+    }
+
   private:
     friend struct EyePass;
     std::vector<Vertex> vertices_;
@@ -37,11 +48,22 @@ struct EyePass {
     uint32_t pass = 0;
     bool nextEvent = true;  ///< next-event estimation
     bool keepVertices = true;
-    bool hit = true;   ///< emitters hit at any depth; false: directly seen ones only
-    int deepest = -1;  ///< subpaths end after this many edges; -1: at the scene's limit
+    bool hit = true;           ///< emitters hit at any depth; false: directly seen ones only
+    bool direct = true;        ///< emitters that the camera sees directly
+    int deepest = -1;          ///< subpaths end after this many edges; -1: at the scene's limit
+    bool beyondSmooth = true;  ///< false: subpaths end where a smooth lobe scatters them (photon mapping)
 
     /// `pixels`: indices in the film's window. Deterministic for any number of threads.
     void run(std::span<const uint32_t> pixels, Film& film, EyeVertices& result) const;
+
+    /// Traces one eye subpath (traceEyeSubpath) through `raster` and returns its hit and nee; appends its
+    /// vertices to `kept`. Next-event estimation at depth d reads block d of `nee`; `film` counts non-finite
+    /// contributions.
+    Rgb trace(SampleStream& stream, SampleStream& nee, const Vec2f& raster, float weight, uint32_t pixel,
+              Film& film, std::vector<Vertex>& kept) const;
+
+    /// Next-event estimation at one vertex of a subpath.
+    Rgb estimateDirect(const Vertex& v, SampleStream& nee, Film& film) const;
 };
 
 }  // namespace metrolux

@@ -11,9 +11,15 @@ namespace {
 
 class LightVisitor final : public SubpathVisitor {
   public:
-    LightVisitor(const LightPass& pass, std::span<const Vertex> partner, const Vec2f& uLens,
-                 SplatList& splats, PhotonDensity* counted)
-        : pass_(pass), partner_(partner), uLens_(uLens), splats_(splats), counted_(counted) {
+    LightVisitor(const LightPass& pass, std::span<const Vertex> partner, float connectionScale,
+                 const Vec2f& uLens, SplatList& splats, PhotonDensity* counted, std::vector<Vec3f>* trail)
+        : pass_(pass),
+          partner_(partner),
+          connectionScale_(connectionScale),
+          uLens_(uLens),
+          splats_(splats),
+          counted_(counted),
+          trail_(trail) {
         const float r = pass.grid.radius();
         inverseDiskArea_ = 1.0 / (double(kPi) * r * r);
     }
@@ -23,7 +29,8 @@ class LightVisitor final : public SubpathVisitor {
             pass_.limits.maxDepth < 0 ? std::numeric_limits<int>::max() / 2 : pass_.limits.maxDepth;
         if (v.bsdf().hasSmoothLobe()) {
             if (counted_) counted_->count(v.si.p);
-            if (v.depth < limit) splat(v);
+            if (trail_) trail_->push_back(v.si.p);
+            if (pass_.splat && v.depth < limit) splat(v);
             if (pass_.connect) connect(v, limit);
             if (pass_.merge) merge(v, limit);
         }
@@ -39,11 +46,9 @@ class LightVisitor final : public SubpathVisitor {
     }
 
     void connect(const Vertex& v, int limit) {
-        // One eye subpath of N was picked: its pixel's share stands for all.
-        const float scale = static_cast<float>(pass_.eyes.subpathCount());
         for (const Vertex& eye : partner_) {
             if (v.depth + eye.depth + 1 > limit) break;
-            addPixel(eye.pixel, connectVertices(pass_.scene, pass_.strategies, v, eye) * scale,
+            addPixel(eye.pixel, connectVertices(pass_.scene, pass_.strategies, v, eye) * connectionScale_,
                      Technique::Connect);
         }
     }
@@ -53,7 +58,8 @@ class LightVisitor final : public SubpathVisitor {
         pass_.grid.query(v.si.p, [&](uint32_t index) {
             const Vertex& eye = eyes[index];
             if (v.depth + eye.depth > limit) return;
-            addPixel(eye.pixel, mergeVertices(pass_.strategies, v, eye, inverseDiskArea_), Technique::Merge);
+            addPixel(eye.pixel, mergeVertices(pass_.strategies, v, eye, inverseDiskArea_, pass_.weighted),
+                     Technique::Merge);
         });
     }
 
@@ -64,9 +70,11 @@ class LightVisitor final : public SubpathVisitor {
 
     const LightPass& pass_;
     std::span<const Vertex> partner_;
+    float connectionScale_;
     Vec2f uLens_;
     SplatList& splats_;
     PhotonDensity* counted_;
+    std::vector<Vec3f>* trail_;
     double inverseDiskArea_;
 };
 
@@ -91,18 +99,31 @@ uint64_t hilbertDistance(int order, uint32_t x, uint32_t y) {
 
 }  // namespace
 
-void LightPass::evaluate(SampleStream& stream, SplatList& splats, PhotonDensity* counted) const {
+Vec2f LightPass::lensCoordinates(SampleStream& stream) {
+    stream.seek(0);
+    for (int i = 0; i < kLensCoordinate; ++i) stream.next1D();
+    return stream.next2D();
+}
+
+void LightPass::evaluate(SampleStream& stream, SplatList& splats, PhotonDensity* counted,
+                         std::vector<Vec3f>* trail) const {
     splats.clear();
+    if (trail) trail->clear();
     stream.seek(0);
     for (int i = 0; i < kEyeSubpathCoordinate; ++i) stream.next1D();
     const float uEye = stream.next1D();
-    const Vec2f uLens = stream.next2D();
+    // One eye subpath of N is picked: its pixel's share stands for all.
     std::span<const Vertex> partner;
     if (connect && eyes.subpathCount() > 0) {
         const size_t n = eyes.subpathCount();
         partner = eyes.subpath(std::min(static_cast<size_t>(double(uEye) * double(n)), n - 1));
     }
-    LightVisitor visitor(*this, partner, uLens, splats, counted);
+    trace(stream, partner, static_cast<float>(eyes.subpathCount()), splats, counted, trail);
+}
+
+void LightPass::trace(SampleStream& stream, std::span<const Vertex> partner, float connectionScale,
+                      SplatList& splats, PhotonDensity* counted, std::vector<Vec3f>* trail) const {
+    LightVisitor visitor(*this, partner, connectionScale, lensCoordinates(stream), splats, counted, trail);
     traceLightSubpath(scene, stream, limits, strategies, visitor);
 }
 

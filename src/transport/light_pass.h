@@ -19,16 +19,26 @@ struct LightPass {
     Film& film;           ///< counts non-finite contributions, nothing else
     bool connect = true;  ///< connect with the vertices of one eye subpath
     bool merge = true;
-    bool weighted = true;  ///< false: splats alone with weight one (light tracing)
+    bool splat = true;     ///< connect with the camera
+    bool weighted = true;  ///< false: splats (light tracing) or merges (photon mapping) have weight one
 
     /// Coordinates of block 0 that the light's emission does not use.
     static constexpr int kEyeSubpathCoordinate = 5;
     static constexpr int kLensCoordinate = 6;
+    /// The point of the lens for connections to the camera.
+    static Vec2f lensCoordinates(SampleStream& stream);
 
     /// Appends to `splats` (cleared first). Scales: a pixel splat is the estimate of its pixel from one light
     /// subpath; divide by the number of light subpaths to average. `counted`: where the subpath's vertices
-    /// are counted, if given.
-    void evaluate(SampleStream& stream, SplatList& splats, PhotonDensity* counted = nullptr) const;
+    /// are counted, if given; `trail`: receives their positions (cleared first).
+    void evaluate(SampleStream& stream, SplatList& splats, PhotonDensity* counted = nullptr,
+                  std::vector<Vec3f>* trail = nullptr) const;
+
+    /// The same with the eye subpath given: `partner` has the vertices to connect with, and `connectionScale`
+    /// is one over the probability of that choice. Appends to `splats` and `trail`.
+    void trace(SampleStream& stream, std::span<const Vertex> partner, float connectionScale,
+               SplatList& splats, PhotonDensity* counted = nullptr,
+               std::vector<Vec3f>* trail = nullptr) const;
 };
 
 /// Order of the window's pixels along a Hilbert curve: a small step in the curve's parameter is a near pixel.

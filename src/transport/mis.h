@@ -18,10 +18,13 @@ namespace metrolux {
 /// behaviour switch. `merge` is eta = N pi r^2; `hitNee` is 1 / lambda.
 struct Strategies {
     double hitNee = 1;
-    double connect = 1;  ///< connections of inner vertices and splats; 0 for path tracing
+    double connect = 1;  ///< connections of inner vertices; 0 for path tracing
     double merge = 0;
     /// Density of the light subpaths' vertices, for mergeShare(); null: every merge counts in full.
     const PhotonDensity* photons = nullptr;
+    /// Connections of light vertices to the camera, which need no eye subpath: less than connections where
+    /// eye subpaths are sampled more densely than evenly (split_mcmc). 0 for path tracing.
+    double splat = 1;
 
     /// Share c of `merge` that counts at a vertex which the eye subpath has reached by chance. All photons
     /// within the radius share that vertex: their mean is an estimate from one eye subpath, however many they
@@ -33,9 +36,10 @@ struct Strategies {
         return 1 / std::max(1.0, merge / hitNee * photons->at(p));
     }
 
-    static Strategies path() { return {1, 0, 0, nullptr}; }
-    static Strategies bidirectional(double lambda, double eta, const PhotonDensity* photons = nullptr) {
-        return {1.0 / lambda, 1, eta, photons};
+    static Strategies path() { return {1, 0, 0, nullptr, 0}; }
+    static Strategies bidirectional(double lambda, double eta, const PhotonDensity* photons = nullptr,
+                                    double splat = 1) {
+        return {1.0 / lambda, 1, eta, photons, splat};
     }
 };
 
@@ -75,12 +79,12 @@ struct MisState {
 
     /// Eye subpath after its first ray; `pdfDirection` per solid angle over the whole film.
     static MisState startEye(const Strategies& n, double pdfDirection) {
-        return {n.connect / pdfDirection, 0, 0};
+        return {n.splat / pdfDirection, 0, 0};
     }
 
     /// Eye subpath of a camera without position (orthographic): density per area on the film plane.
     static MisState startEyeInfinite(const Strategies& n, double pdfPosition) {
-        return {n.connect / pdfPosition, 0, 0};
+        return {n.splat / pdfPosition, 0, 0};
     }
 
     /// Light subpath on arrival at its first surface point x1: TR eq. 34-36 with the counts of nee and hit.
@@ -145,7 +149,7 @@ inline double neeWeight(const Strategies& n, const MisState& eye, const LightEdg
 /// Weight of connecting a light vertex to the camera: TR eq. 46. `cameraArea`: density per area with which
 /// the camera samples the vertex; `pdfLight`: reverse density at the vertex.
 inline double splatWeight(const Strategies& n, const MisState& light, double cameraArea, double pdfLight) {
-    return 1.0 / (1.0 + cameraArea * (n.merge + light.dVCM + pdfLight * light.dVC));
+    return 1.0 / (1.0 + cameraArea / n.splat * (n.merge + light.dVCM + pdfLight * light.dVC));
 }
 
 /// Weight of connecting two inner vertices: TR eq. 40-42. `lightArea`: density per area with which the eye

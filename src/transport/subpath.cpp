@@ -77,7 +77,7 @@ void continueWalk(const Walk& walk, Vertex& v) {
         Rgb throughput;
         MisState mis;
         bool delta = false;
-        if (!scatter(walk, v, ray, throughput, mis, delta)) return;
+        if (!scatter(walk, v, ray, throughput, mis, delta) || !walk.visitor.scattered(delta)) return;
         SurfaceInteraction si;
         if (!walk.scene.intersect(ray, si)) {
             walk.visitor.escaped(v.si.p, ray.direction, throughput, mis, v.depth + 1);

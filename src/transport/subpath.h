@@ -11,6 +11,11 @@ class SubpathVisitor {
     virtual ~SubpathVisitor() = default;
     /// A surface vertex, before scattering. Returns whether the walk goes on.
     virtual bool surface(const Vertex& vertex) = 0;
+    /// Scattered at the last vertex, by a delta lobe or not. Returns whether that direction is followed.
+    virtual bool scattered(bool delta) {
+        (void)delta;
+        return true;
+    }
     /// The walk leaves the scene in `direction` after `depth` edges (the escaping one included). `from` is
     /// the last surface point, or the ray origin; mis.dVCM still refers to a density per solid angle.
     virtual void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput,

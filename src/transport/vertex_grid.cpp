@@ -28,12 +28,12 @@ int VertexGrid::bucketsAround(const Vec3f& p, std::array<uint32_t, 8>& buckets) 
     return count;
 }
 
-void VertexGrid::build(std::span<const Vertex> vertices, float radius) {
+template <class PositionOf>
+void VertexGrid::buildFrom(size_t n, float radius, PositionOf&& positionOf) {
     radius_ = radius;
     radiusSquared_ = radius * radius;
     // A hair wider than two radii, so that rounding never makes a ball touch three cells along an axis.
     inverseCell_ = 1.0 / (2.0 * double(radius) * (1.0 + 1e-6));
-    const size_t n = vertices.size();
     entries_.resize(n);
     if (n == 0) return;
     mask_ = std::bit_ceil(static_cast<uint32_t>(n)) - 1;
@@ -43,7 +43,7 @@ void VertexGrid::build(std::span<const Vertex> vertices, float radius) {
     constexpr size_t kChunk = 8192;
     parallelFor((n + kChunk - 1) / kChunk, [&](size_t chunk) {
         for (size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
-            const Vec3f& p = vertices[i].si.p;
+            const Vec3f& p = positionOf(i);
             const auto cell = [&](float x) {
                 return static_cast<int64_t>(std::floor(double(x) * inverseCell_));
             };
@@ -53,8 +53,15 @@ void VertexGrid::build(std::span<const Vertex> vertices, float radius) {
     for (const uint32_t b : buckets) ++starts_[b + 1];
     for (size_t b = 1; b < starts_.size(); ++b) starts_[b] += starts_[b - 1];
     std::vector<uint32_t> next(starts_.begin(), starts_.end() - 1);
-    for (size_t i = 0; i < n; ++i)
-        entries_[next[buckets[i]]++] = {vertices[i].si.p, static_cast<uint32_t>(i)};
+    for (size_t i = 0; i < n; ++i) entries_[next[buckets[i]]++] = {positionOf(i), static_cast<uint32_t>(i)};
+}
+
+void VertexGrid::build(std::span<const Vertex> vertices, float radius) {
+    buildFrom(vertices.size(), radius, [&](size_t i) -> const Vec3f& { return vertices[i].si.p; });
+}
+
+void VertexGrid::buildPoints(std::span<const Vec3f> points, float radius) {
+    buildFrom(points.size(), radius, [&](size_t i) -> const Vec3f& { return points[i]; });
 }
 
 void VertexGrid::clear() {

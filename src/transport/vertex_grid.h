@@ -7,12 +7,13 @@
 
 namespace metrolux {
 
-/// Hash grid over the eye vertices of an iteration, counting-sorted into buckets. Cells are two radii wide,
-/// so that a ball of one radius touches at most eight of them.
+/// Hash grid over the eye vertices (or other points) of an iteration, counting-sorted into buckets. Cells are
+/// two radii wide, so that a ball of one radius touches at most eight of them.
 class VertexGrid {
   public:
     /// Keeps positions and indices, not the vertices. `radius` > 0, finite.
     void build(std::span<const Vertex> vertices, float radius);
+    void buildPoints(std::span<const Vec3f> points, float radius);
     void clear();
     float radius() const { return radius_; }
     size_t memoryBytes() const {
@@ -23,12 +24,15 @@ class VertexGrid {
     /// vertices only.
     template <class Visit>
     void query(const Vec3f& p, Visit&& visit) const {
-        if (entries_.empty()) return;
-        std::array<uint32_t, 8> buckets;
-        const int count = bucketsAround(p, buckets);
-        for (int b = 0; b < count; ++b)
-            for (uint32_t i = starts_[buckets[b]]; i < starts_[buckets[b] + 1]; ++i)
-                if (lengthSquared(entries_[i].position - p) <= radiusSquared_) visit(entries_[i].index);
+        findWithin(p, [&](const Entry& e) {
+            visit(e.index);
+            return false;
+        });
+    }
+
+    /// Whether any vertex lies within the radius of p.
+    bool anyWithin(const Vec3f& p) const {
+        return findWithin(p, [](const Entry&) { return true; });
     }
 
   private:
@@ -36,6 +40,20 @@ class VertexGrid {
         Vec3f position;
         uint32_t index;
     };
+    template <class PositionOf>
+    void buildFrom(size_t n, float radius, PositionOf&& positionOf);
+    /// Calls accept(entry) for those within the radius until it returns true; returns whether it did.
+    template <class Accept>
+    bool findWithin(const Vec3f& p, Accept&& accept) const {
+        if (entries_.empty()) return false;
+        std::array<uint32_t, 8> buckets;
+        const int count = bucketsAround(p, buckets);
+        for (int b = 0; b < count; ++b)
+            for (uint32_t i = starts_[buckets[b]]; i < starts_[buckets[b] + 1]; ++i)
+                if (lengthSquared(entries_[i].position - p) <= radiusSquared_ && accept(entries_[i]))
+                    return true;
+        return false;
+    }
     uint32_t bucketOf(int64_t x, int64_t y, int64_t z) const;
     /// Distinct buckets of the cells that the ball around p touches: cells that hash alike are visited once.
     int bucketsAround(const Vec3f& p, std::array<uint32_t, 8>& buckets) const;

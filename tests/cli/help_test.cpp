@@ -9,8 +9,11 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 
 TEST_F(CliTest, HelpTeachesWithExamples) {
-    for (const std::vector<std::string>& command :
-         {std::vector<std::string>{"--help"}, {"render", "--help"}, {"compare", "--help"}, {"info", "-h"}}) {
+    for (const std::vector<std::string>& command : {std::vector<std::string>{"--help"},
+                                                    {"render", "--help"},
+                                                    {"compare", "--help"},
+                                                    {"study", "--help"},
+                                                    {"info", "-h"}}) {
         const Outcome outcome = run(command);
         EXPECT_EQ(outcome.status, 0) << command[0];
         EXPECT_THAT(outcome.out, HasSubstr("Examples:\n  metrolux ")) << command[0];
@@ -34,7 +37,8 @@ TEST_F(CliTest, WithoutACommandItShowsHelpAndFails) {
 TEST_F(CliTest, IntegratorsAreListed) {
     const Outcome outcome = run({"integrators"});
     EXPECT_EQ(outcome.status, 0);
-    for (const char* name : {"mcmc_vcm", "vcm", "bdpt", "path", "light"})
+    for (const char* name : {"mcmc_vcm", "vcm", "bdpt", "path", "light", "sppm", "vpt", "split_mcmc",
+                             "pssmlt", "mmlt", "pssmlt_merge"})
         EXPECT_THAT(outcome.out, HasSubstr(name));
 }
 
@@ -65,6 +69,8 @@ TEST_F(CliTest, WrongOptionsFailWithStatus2AndSayWhatIsWrong) {
         {{"render", "scene.xml", "--memory", "4X"}, "4X"},
         {{"render", "scene.xml", "--curve", "aces"}, "aces"},
         {{"render", "scene.xml", "--replicas", "uvw"}, "uvw"},
+        {{"render", "scene.xml", "--large-step", "1.5"}, "--large-step"},
+        {{"render", "scene.xml", "--method", "C"}, "--method"},
         {{"render", "scene.xml", "--aov", "colour"}, "colour"},
         {{"render", "scene.xml", "-D", "width"}, "name=value"},
         {{"render", "scene.xml", "-i", "mcmc_vmc"}, "did you mean 'mcmc_vcm'"},

@@ -6,6 +6,7 @@
 
 #include <csignal>
 #include <fstream>
+#include <set>
 
 namespace metrolux::cli {
 namespace {
@@ -50,7 +51,7 @@ TEST_F(CliTest, ThreadsDoNotChangeTheImageOfAnyIntegrator) {
         EXPECT_EQ(one.pixels, two.pixels) << name;
         EXPECT_GT(mean(one), 0.001) << name;
     }
-    EXPECT_GE(integrators, 5);
+    EXPECT_GE(integrators, 8);
 }
 
 TEST_F(CliTest, SeedChangesTheNoise) {
@@ -64,7 +65,7 @@ TEST_F(CliTest, SeedChangesTheNoise) {
 
 TEST_F(CliTest, CropIsThePartOfTheImage) {
     // Means of 120 pixels after 200 passes: their noise is far below the 10 % that is allowed.
-    for (const char* integrator : {"path", "bdpt"}) {
+    for (const char* integrator : {"path", "bdpt", "pssmlt"}) {
         ASSERT_EQ(run({"render", "scene.xml", "-i", integrator, "--passes", "200", "-o", "all.exr"}).status,
                   0);
         ASSERT_EQ(run({"render", "scene.xml", "-i", integrator, "--passes", "200", "-o", "crop.exr", "--crop",
@@ -80,6 +81,43 @@ TEST_F(CliTest, CropIsThePartOfTheImage) {
             cut.pixels.insert(cut.pixels.end(), all.at(5, y + 6), all.at(5, y + 6) + 36);
         EXPECT_NEAR(mean(crop) / mean(cut), 1, 0.1) << integrator;
     }
+}
+
+TEST_F(CliTest, OptionsOfPathChainsReachThem) {
+    // Each of these is another image; the first is the default.
+    const std::vector<std::vector<std::string>> variants{
+        {"-i", "pssmlt_merge"},
+        {"-i", "pssmlt_merge", "--method", "A"},
+        {"-i", "pssmlt_merge", "--large-step", "0.5"},
+        {"-i", "pssmlt_merge", "--kernel", "adaptive"},
+        {"-i", "pssmlt_merge", "--lanes", "3"},
+    };
+    std::set<std::vector<float>> images;
+    for (const std::vector<std::string>& variant : variants) {
+        std::vector<std::string> arguments{"render", "scene.xml", "--passes", "4",
+                                           "-o",     "a.exr",     "--stats",  "a.json"};
+        arguments.insert(arguments.end(), variant.begin(), variant.end());
+        const Outcome outcome = run(arguments);
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_TRUE(images.insert(readImage(folder / "a.exr", false).pixels).second)
+            << testing::PrintToString(variant);
+        const nlohmann::json s =
+            nlohmann::json::parse(std::ifstream(folder / "a.json"))["integrator_statistics"];
+        EXPECT_GT(s["b"]["value"], 0);
+        EXPECT_GT(s["small_steps"]["tried"], 0);
+    }
+}
+
+TEST_F(CliTest, ScenesOfMitsubasPssmltAreRenderedByIt) {
+    std::string text = kTinyScene;
+    const std::string type = "<integrator type=\"path\">";
+    const size_t at = text.find(type);
+    ASSERT_NE(at, std::string::npos);
+    write("pssmlt.xml", text.replace(at, type.size(), "<integrator type=\"pssmlt\">"));
+    const Outcome outcome =
+        run({"render", "pssmlt.xml", "-i", "scene", "--passes", "1", "--stats", "a.json"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(nlohmann::json::parse(std::ifstream(folder / "a.json"))["integrator"], "pssmlt");
 }
 
 TEST_F(CliTest, ResolutionAndDefinesReplaceTheScenes) {

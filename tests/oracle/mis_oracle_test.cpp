@@ -149,7 +149,7 @@ class BruteForce {
         if (smooth(1)) density[{"nee", 1}] = n_.hitNee * nee0 * product(0) / backward[0];
         for (int s = 2; s <= m; ++s)
             if (smooth(s - 1) && smooth(s)) density[{"connect", s}] = product(s);
-        if (m >= 1 && smooth(m)) density[{"splat", m + 1}] = product(m + 1);
+        if (m >= 1 && smooth(m)) density[{"splat", m + 1}] = n_.splat * product(m + 1);
         if (n_.merge > 0) {
             bool certain = true;  // only delta scattering between x_s and the camera
             for (int s = m; s >= 1; --s) {
@@ -272,8 +272,8 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
         for (const Vertex& v : subpath.vertices) photons.count(v.si.p);
     }
     photons.endIteration(0.01 * kPhotonSubpaths);  // as if a hundred times as dense
-    const Strategies n =
-        Strategies::bidirectional(3.7, merging ? pixels * std::numbers::pi * radius * radius : 0, &photons);
+    const Strategies n = Strategies::bidirectional(
+        3.7, merging ? pixels * std::numbers::pi * radius * radius : 0, &photons, 0.3);
     int reduced = 0;  // vertices whose share is less than one
     // With this every other technique vanishes from the weight: the contribution itself.
     const Strategies alone{1e30, 1, 0, nullptr};

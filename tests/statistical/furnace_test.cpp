@@ -13,7 +13,8 @@ namespace {
 using namespace test;
 
 constexpr float kMergingRadius = 0.02f;
-const char* const kIntegrators[] = {"path", "light", "bdpt", "vcm", "mcmc_vcm"};
+const char* const kIntegrators[] = {"path", "light",      "bdpt",   "vcm",  "mcmc_vcm",    "sppm",
+                                    "vpt",  "split_mcmc", "pssmlt", "mmlt", "pssmlt_merge"};
 
 /// How much work an integrator needs for the decision. Few light subpaths find the camera, and chains need
 /// some hundred steps in an iteration: larger images, of which the mean is tested.
@@ -23,8 +24,12 @@ struct Effort {
 };
 Effort effort(const std::string& integrator) {
     if (integrator == "light") return {24, 24, 1, 0.2};
-    if (integrator == "mcmc_vcm") return {32, 16, 1, 0.25};
+    if (integrator == "mcmc_vcm" || integrator == "vpt" || integrator == "split_mcmc")
+        return {32, 16, 1, 0.25};
+    if (integrator == "sppm") return {32, 32, 1, 0.25};
     if (integrator == "path") return {12, 40, 2, 0.05};
+    if (integrator == "mmlt") return {24, 48, 1, 0.25};  // of cheap samples: one technique each
+    if (integrator == "pssmlt" || integrator == "pssmlt_merge") return {20, 16, 1, 0.25};
     return {12, 24, 2, 0.05};
 }
 

@@ -8,8 +8,8 @@ namespace {
 using Names = std::vector<std::string>;
 
 /// Integrators of Mitsuba 2.x and 3.x and ours, which stand for path lengths and a default algorithm.
-const Names kTypes = {"path", "direct",   "ptracer", "light",     "bdpt",
-                      "vcm",  "mcmc_vcm", "volpath", "volpathmis"};
+const Names kTypes = {"path",     "direct",  "ptracer",    "light", "bdpt",        "vcm",
+                      "mcmc_vcm", "volpath", "volpathmis", "mmlt",  "pssmlt_merge"};
 /// Those of 0.x only.
 const Names kLegacyTypes = {"photonmapper", "ppm", "sppm", "vpl", "pssmlt", "mlt", "erpt", "volpath_simple"};
 /// Integrators around another one.

@@ -31,9 +31,10 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"io", {"base", "image", "geometry", "scattering", "endpoint", "scene"}},
     {"render",
      {"base", "sampling", "image", "geometry", "scattering", "endpoint", "scene", "integrators", "io"}},
+    {"study", {"base", "image", "geometry", "endpoint", "scene", "integrators", "render"}},
     {"app",
      {"base", "sampling", "image", "geometry", "scattering", "endpoint", "scene", "integrators", "io",
-      "render"}},
+      "render", "study"}},
 };
 
 struct Include {
@@ -86,7 +87,7 @@ TEST(ModuleOrder, IncludesPointUpwards) {
 TEST(ModuleOrder, TheOrderItselfHasNoCycle) {
     const std::vector<std::string> order = {"base",     "sampling", "image",     "geometry", "scattering",
                                             "endpoint", "scene",    "transport", "markov",   "integrators",
-                                            "io",       "render",   "app"};
+                                            "io",       "render",   "study",     "app"};
     std::set<std::string> above;
     for (const std::string& module : order) {
         for (const std::string& included : kMayInclude.at(module))

@@ -87,14 +87,16 @@ TEST_P(EachIntegrator, HidesDirectlyVisibleEmittersWhenAsked) {
     for (const float v : render(*b.build(), GetParam(), {}, 3)) ASSERT_EQ(v, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EachIntegrator, ::testing::Values("path", "light", "bdpt", "vcm", "mcmc_vcm"),
+INSTANTIATE_TEST_SUITE_P(All, EachIntegrator,
+                         ::testing::Values("path", "light", "bdpt", "vcm", "mcmc_vcm", "sppm", "vpt",
+                                           "split_mcmc", "pssmlt", "pssmlt_merge", "mmlt"),
                          [](const auto& i) { return std::string(i.param); });
 
 TEST(Integrators, AreAllListedAndMade) {
     SceneBuilder b;
     addFloorAndGlass(b);
     const std::shared_ptr<Scene> scene = b.build();
-    EXPECT_EQ(integratorList().size(), 5u);
+    EXPECT_EQ(integratorList().size(), 11u);
     EXPECT_EQ(integratorList().front().first, "mcmc_vcm");
     for (const auto& [name, description] : integratorList()) {
         EXPECT_FALSE(description.empty());
@@ -111,6 +113,10 @@ TEST(Integrators, AreAllListedAndMade) {
         options.replicas = bad;
         EXPECT_THROW(makeIntegrator("mcmc_vcm", *scene, options), Error) << bad;
     }
+    options.replicas = "uvf";
+    EXPECT_NE(makeIntegrator("mcmc_vcm", *scene, options), nullptr);
+    for (const char* withoutContribution : {"vpt", "split_mcmc"})
+        EXPECT_THROW(makeIntegrator(withoutContribution, *scene, options), Error) << withoutContribution;
 }
 
 TEST(RadiusSchedule, FollowsTheProductForm) {

@@ -17,8 +17,9 @@ std::vector<Vertex> vertices(const std::vector<Vec3f>& points) {
 /// Compares all queries with a scan of all points; each index must come once.
 void expectSameAsBruteForce(const std::vector<Vec3f>& points, float radius,
                             const std::vector<Vec3f>& queries) {
-    VertexGrid grid;
+    VertexGrid grid, ofPoints;
     grid.build(vertices(points), radius);
+    ofPoints.buildPoints(points, radius);
     EXPECT_EQ(grid.radius(), radius);
     std::vector<int> visits(points.size());
     for (const Vec3f& q : queries) {
@@ -32,6 +33,9 @@ void expectSameAsBruteForce(const std::vector<Vec3f>& points, float radius,
             ASSERT_EQ(visits[i], inside ? 1 : 0)
                 << "radius " << radius << " query (" << q.x << ", " << q.y << ", " << q.z << ") point " << i;
         }
+        const bool any = std::find(visits.begin(), visits.end(), 1) != visits.end();
+        ASSERT_EQ(grid.anyWithin(q), any);
+        ASSERT_EQ(ofPoints.anyWithin(q), any);
     }
 }
 

@@ -1,0 +1,35 @@
+#pragma once
+/// Options of `render` that other commands take too; defined with that command.
+
+#include "io/scene_loader.h"
+#include "render/session.h"
+
+#include <CLI/CLI.hpp>
+
+#include <optional>
+
+namespace metrolux::app {
+
+struct RenderArguments {
+    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel, method = "B";
+    std::vector<std::string> outputs, defines, aovs;
+    SessionOptions session;
+    int threads = 0;
+    std::optional<int> maxDepth;  ///< in place of the scene's
+    bool lenient = false, quiet = false;
+};
+
+/// --define, --resolution, --crop, --filter, --lenient.
+void addSceneOptions(CLI::App& app, RenderArguments& a);
+/// --integrator and everything that changes what it computes.
+void addAlgorithmOptions(CLI::App& app, RenderArguments& a);
+/// --threads, --memory.
+void addMachineOptions(CLI::App& app, RenderArguments& a);
+
+/// Checks the values of the algorithm's options and completes session.integratorOptions, but for the path
+/// limits, which need the scene. Throws Error.
+void prepareAlgorithm(RenderArguments& a);
+/// Reads a scene with the options for it. Throws Error.
+SceneParts loadSceneParts(const std::filesystem::path& file, const RenderArguments& a);
+
+}  // namespace metrolux::app

@@ -1,0 +1,124 @@
+#include "integrators/eye_chains.h"
+
+namespace metrolux {
+
+namespace {
+
+/// Visible uniform samples that b_V is to rest on before chains take part.
+constexpr double kVisibleSamples = 256;
+
+uint32_t pixelAt(const FilmWindow& w, const Vec2f& u) {
+    const int x = std::min(static_cast<int>(u.x * static_cast<float>(w.width)), w.width - 1);
+    const int y = std::min(static_cast<int>(u.y * static_cast<float>(w.height)), w.height - 1);
+    return static_cast<uint32_t>(y) * w.width + x;
+}
+
+}  // namespace
+
+/// An eye pass as the model of ReplicaLanes.
+struct EyeChains::Model {
+    const EyePass& pass;
+    const VertexGrid& lightVertices;
+    Film& film;
+    std::span<const uint32_t> order;
+    double count;   ///< samples that the iteration stands for
+    double offset;  ///< of the sequence of uniform samples, random
+    uint64_t neeKey;
+    std::vector<Weighted>& weighted;
+
+    /// Uniform samples are spread over the image by a Kronecker sequence along the Hilbert curve, of which
+    /// any part covers the whole; with a random offset each of them is uniform.
+    void startUniform(PrimarySample& u, CounterRng& rng, size_t lane, size_t step) const {
+        constexpr double kGoldenRatio = 0.6180339887498949;
+        const double position = offset + kGoldenRatio * double(step * weighted.size() + lane);
+        const double along = (position - std::floor(position)) * double(order.size());
+        const uint32_t pixel = order[std::min(static_cast<size_t>(along), order.size() - 1)];
+        const FilmWindow& w = film.window();
+        const double x = (pixel % w.width + rng.nextDouble()) / w.width;
+        const double y = (pixel / w.width + rng.nextDouble()) / w.height;
+        u.push_back(std::min(static_cast<float>(x), kOneMinusEpsilon));
+        u.push_back(std::min(static_cast<float>(y), kOneMinusEpsilon));
+    }
+
+    void evaluateUniform(SampleStream& u, EyeSubpath& e) const { evaluate(u, e); }
+
+    void evaluate(SampleStream& u, EyeSubpath& e) const {
+        u.seek(0);
+        e.pixel = pixelAt(film.window(), u.next2D());
+        u.next2D();  // the lens's
+        float weight = 1;
+        const Vec2f raster = film.samplePosition(e.pixel, u.next2D(), weight);
+        e.vertices.clear();
+        SobolStream unused(0, 0);  // next-event estimation waits until the subpath has a weight
+        e.hit = pass.trace(u, unused, raster, weight, e.pixel, film, e.vertices);
+        e.size = std::any_of(e.vertices.begin(), e.vertices.end(),
+                             [&](const Vertex& v) { return lightVertices.anyWithin(v.si.p); });
+    }
+
+    void pay(size_t lane, const EyeSubpath& e, double weight) const {
+        Weighted& w = weighted[lane];
+        const double scale = count * weight;
+        SobolStream nee(hashKey(neeKey, lane), w.count++);
+        Rgb sum = e.hit;
+        for (const Vertex& v : e.vertices) sum += pass.estimateDirect(v, nee, film);
+        if (!isBlack(sum)) film.addSplats({{{e.pixel, sum}}, {}}, scale);
+        if (e.vertices.empty()) return;
+        for (Vertex v : e.vertices) {
+            v.throughput *= static_cast<float>(scale);
+            w.vertices.push_back(v);
+        }
+        w.pixels.push_back(e.pixel);
+        w.ends.push_back(w.vertices.size());
+    }
+};
+
+EyeChains::EyeChains(const ReplicaSettings& settings, const FilmWindow& window)
+    : order_(hilbertOrder(window.width, window.height)),
+      rank_(order_.size()),
+      lanes_([&] {
+          ReplicaSettings s = settings;
+          s.seed = hashKey(settings.seed, StreamPurpose::EyeChain);
+          return s;
+      }()),
+      weighted_(lanes_.size()) {
+    for (size_t i = 0; i < order_.size(); ++i) rank_[order_[i]] = static_cast<uint32_t>(i);
+}
+
+void EyeChains::begin(size_t samples, double radius) {
+    squaredRadius_ = radius * radius;
+    lanes_.normalisation().update(squaredRadius_);
+    mix_ = lanes_.mixture(samples, lanes_.normalisation().visibleSamples() >= kVisibleSamples);
+    if (mix_.uniform > 0) mix_.invisibleWeight = 1 / mix_.uniform;
+}
+
+void EyeChains::run(const EyePass& pass, const VertexGrid& lightVertices, Film& film,
+                    const LightChains::Iteration& iteration, EyeVertices& result) {
+    for (Weighted& w : weighted_) w = {};
+    const uint64_t key = hashKey(lanes_.settings().seed, iteration.pass, iteration.first);
+    Model model{pass, lightVertices, film, order_, double(iteration.count), CounterRng(key).nextDouble(),
+                key,  weighted_};
+    lanes_.run(model, mix_, iteration.pass, iteration.first);
+    lanes_.endIteration(squaredRadius_);
+    gather(result);
+}
+
+void EyeChains::gather(EyeVertices& result) const {
+    struct Subpath {
+        uint32_t rank;
+        std::span<const Vertex> vertices;
+    };
+    std::vector<Subpath> subpaths;
+    for (const Weighted& w : weighted_)
+        for (size_t i = 0, begin = 0; i < w.ends.size(); begin = w.ends[i++])
+            subpaths.push_back({rank_[w.pixels[i]], {w.vertices.data() + begin, w.ends[i] - begin}});
+    std::stable_sort(subpaths.begin(), subpaths.end(),
+                     [](const Subpath& a, const Subpath& b) { return a.rank < b.rank; });
+    result.clear();
+    for (const Subpath& s : subpaths) result.append(s.vertices);
+}
+
+nlohmann::json EyeChains::statistics() const {
+    return replicaStatistics(lanes_.settings(), lanes_.counts(), lanes_.normalisation());
+}
+
+}  // namespace metrolux

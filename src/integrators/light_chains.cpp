@@ -1,0 +1,183 @@
+#include "integrators/light_chains.h"
+
+#include "base/error.h"
+
+#include <fmt/format.h>
+
+namespace metrolux {
+
+namespace {
+
+/// Visible uniform samples that b_V is to rest on.
+constexpr double kVisibleSamples = 256;
+
+/// Chains that take some thousand steps from their start in each iteration, and enough of them for many
+/// threads. Depends on the image only.
+int laneCount(const IntegratorOptions& options, size_t samples) {
+    constexpr int kStepsPerIteration = 1024, kFewest = 8, kMost = 64;
+    if (options.lanes > 0) return options.lanes;
+    return std::clamp(static_cast<int>(samples) / (3 * kStepsPerIteration), kFewest, kMost);
+}
+
+/// A light pass as the model of ReplicaLanes.
+struct LightModel {
+    const LightPass& pass;
+    Film& film;
+    double filmShare;
+    PhotonDensity* photons;
+    std::vector<std::vector<Vec3f>>* trails;  ///< of each lane, may be null
+
+    void startUniform(PrimarySample&, CounterRng&, size_t, size_t) const {}
+    void evaluateUniform(SampleStream& u, LightContribution& c) const { evaluate(u, c, photons); }
+    void evaluate(SampleStream& u, LightContribution& c, PhotonDensity* counted = nullptr) const {
+        pass.evaluate(u, c.splats, counted, trails ? &c.trail : nullptr);
+        c.size = c.splats.size();
+    }
+    void pay(size_t lane, const LightContribution& c, double weight) const {
+        film.addSplats(c.splats, weight, weight * filmShare);
+        if (trails) (*trails)[lane].insert((*trails)[lane].end(), c.trail.begin(), c.trail.end());
+    }
+};
+
+std::string lettersOf(const ReplicaSettings& s) {
+    return std::string(s.uniform ? "u" : "") + (s.visibility ? "v" : "") + (s.contribution ? "f" : "");
+}
+
+}  // namespace
+
+ReplicaSettings replicaSettings(const IntegratorOptions& options, const std::string& letters,
+                                MutationKernel::Kind kernel, size_t samples) {
+    const std::string chosen = options.replicas.value_or(letters);
+    if (chosen.empty() || chosen.find_first_not_of(letters) != std::string::npos)
+        throw Error("replicas: found '{}', expected a combination of the letters {}", chosen,
+                    fmt::join(letters, ", "));
+    const auto has = [&](char letter) { return chosen.find(letter) != std::string::npos; };
+    ReplicaSettings s;
+    s.seed = options.seed;
+    s.kernel = options.kernel.value_or(kernel);
+    s.inefficiency = options.chainInefficiency;
+    s.lanes = laneCount(options, samples);
+    s.uniform = has('u');
+    s.visibility = has('v');
+    s.contribution = has('f');
+    return s;
+}
+
+void LightChains::begin(size_t samples, double radius) {
+    squaredRadius_ = radius * radius;
+    lanes_.normalisation().update(squaredRadius_);
+    if (seeded_) {
+        mix_ = lanes_.mixture(samples);
+    } else {
+        mix_ = {};
+        mix_.uniform = double(samples);
+    }
+}
+
+void LightChains::run(const LightPass& pass, Film& film, const Iteration& iteration, PhotonDensity* photons) {
+    for (std::vector<Vec3f>& t : trails_) t.clear();
+    if (!ready_) {
+        plainRun(pass, film, iteration, photons);
+        return;
+    }
+    LightModel model{pass, film, iteration.filmShare, photons, keepTrails ? &trails_ : nullptr};
+    lanes_.run(model, mix_, iteration.pass, iteration.first);
+    if (photons && mix_.uniform > 0) photons->endIteration(mix_.uniform);
+    lanes_.endIteration(squaredRadius_);
+}
+
+void LightChains::plainRun(const LightPass& pass, Film& film, const Iteration& iteration,
+                           PhotonDensity* photons) {
+    std::vector<double> sizes;
+    plainLightPass(pass, film, lanes_.settings().seed, iteration.pass, iteration.first, iteration.count,
+                   iteration.filmShare, &sizes, photons);
+    if (photons) photons->endIteration(double(iteration.count));
+    lanes_.addUniform(sizes);
+    lanes_.endIteration(squaredRadius_);
+    // b_V from a handful of samples is biased, and q and the weights with it: uniform passes go on until it
+    // is known to a sixteenth. (Mitsuba's roughdielectric sphere, 48x48, b_V = 1e-4: 4 to 10 % too dark after
+    // 64 passes before.)
+    if (lanes_.normalisation().visibleSamples() < kVisibleSamples) return;
+    // The first passes that see light make q known. The next are made of uniform samples too, with the
+    // weights of q: those of q = 1 make another F, whose b_F can be wrong by a factor of two or more for the
+    // chains.
+    const bool calibrated = seeded_;
+    seedChains(iteration, sizes);
+    if (seeded_ && !calibrated) lanes_.normalisation().forgetSizes();
+    ready_ = calibrated;
+}
+
+void LightChains::seedChains(const Iteration& iteration, const std::vector<double>& sizes) {
+    std::vector<double> visible(sizes.size());
+    for (size_t i = 0; i < sizes.size(); ++i) visible[i] = sizes[i] > 0 ? 1.0 : 0.0;
+    const DiscreteDistribution byVisibility(visible), bySize(sizes);
+    if (byVisibility.empty()) return;
+
+    const uint64_t seed = lanes_.settings().seed;
+    CounterRng rng(hashKey(seed, StreamPurpose::Seeding, iteration.pass));
+    // A state is regenerated from the counter-based stream that made its value. Its coordinates are all those
+    // that the evaluation may have asked for; more are appended when they are needed.
+    const auto regenerate = [&](const DiscreteDistribution& choice, PrimarySample& u) {
+        float uChoice = rng.next1D();
+        IndependentStream stream(
+            lightSubpathKey(seed, iteration.pass, iteration.first + choice.sample(uChoice)));
+        const int depth = limits_.maxDepth < 0 ? 32 : std::min(limits_.maxDepth, 32);
+        u.resize(SampleStream::blockOffset(depth + 1));
+        stream.seek(0);
+        for (float& coordinate : u) coordinate = stream.next1D();
+    };
+    lanes_.seed([&](PrimarySample& visibility, PrimarySample& contribution) {
+        regenerate(byVisibility, visibility);
+        regenerate(bySize, contribution);
+    });
+    seeded_ = true;
+}
+
+std::vector<Vec3f> LightChains::trails() const {
+    std::vector<Vec3f> all;
+    for (const std::vector<Vec3f>& t : trails_) all.insert(all.end(), t.begin(), t.end());
+    return all;
+}
+
+nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaCounts& counts,
+                                 const Normalisation& normalisation) {
+    const auto estimate = [](const Estimate& e) {
+        nlohmann::json j{{"value", e.value}};
+        if (std::isfinite(e.standardError)) j["standard_error"] = e.standardError;
+        return j;
+    };
+    const auto chain = [](const ReplicaCounts::Acceptance& a) {
+        return nlohmann::json{
+            {"tried", a.tried}, {"accepted", a.accepted}, {"acceptance", a.rate()}, {"theta_mean", a.theta}};
+    };
+    nlohmann::json j{{"lanes", settings.lanes},
+                     {"replicas", lettersOf(settings)},
+                     {"chain_inefficiency", settings.inefficiency},
+                     {"kernel", settings.kernel == MutationKernel::Kind::Adaptive ? "adaptive" : "kelemen"},
+                     {"b_v", estimate(normalisation.visibilityEstimate())},
+                     {"visibility_chain", chain(counts.visibility)},
+                     {"exchange_uniform_visibility", counts.uniformSwaps},
+                     {"states_replaced", counts.replaced}};
+    if (settings.contribution) {
+        j["b_f"] = estimate(normalisation.contributionEstimate());
+        j["contribution_chain"] = chain(counts.contribution);
+        const double tried = double(counts.swapsTried);
+        j["exchange_visibility_contribution"] = {{"tried", counts.swapsTried},
+                                                 {"rate", tried > 0 ? double(counts.swapsMade) / tried : 0}};
+    }
+    return j;
+}
+
+nlohmann::json LightChains::statistics() const {
+    return replicaStatistics(lanes_.settings(), lanes_.counts(), lanes_.normalisation());
+}
+
+std::string LightChains::progressNote() const {
+    if (!seeded_) return "no visible light subpath yet";
+    const ReplicaCounts counts = lanes_.counts();
+    std::string note = fmt::format("acceptance V {:.2f}", counts.visibility.rate());
+    if (lanes_.settings().contribution) note += fmt::format(" F {:.2f}", counts.contribution.rate());
+    return note + fmt::format(", b_V {:.2g}", lanes_.normalisation().visibility());
+}
+
+}  // namespace metrolux

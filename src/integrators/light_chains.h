@@ -1,0 +1,73 @@
+#pragma once
+/// Light subpaths from Markov chains: the light pass that mcmc_vcm, vpt and split_mcmc share.
+
+#include "integrators/iteration.h"
+#include "markov/replica_lanes.h"
+
+#include <nlohmann/json.hpp>
+
+namespace metrolux {
+
+/// What the primary sample of a light subpath evaluates to.
+struct LightContribution {
+    SplatList splats;
+    std::vector<Vec3f> trail;  ///< its smooth vertices, if LightChains::keepTrails
+    double size = 0;           ///< F(u)
+    bool visible() const { return size > 0; }
+};
+
+/// Replicas and kernel from the options, `letters` being both the default and what is possible ("uvf",
+/// "uv"). `samples` in an iteration decide about the number of lanes. Throws Error for other letters.
+ReplicaSettings replicaSettings(const IntegratorOptions& options, const std::string& letters,
+                                MutationKernel::Kind kernel, size_t samples);
+
+/// Statistics of a set of lanes, in the form of Integrator::statistics().
+nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaCounts& counts,
+                                 const Normalisation& normalisation);
+
+/// The first passes are made of independent light subpaths, which give the first b_V and b_F; then each
+/// iteration's subpaths come from the replicas.
+class LightChains {
+  public:
+    /// One iteration: the pass, the index of its first light subpath, their number, and the part of the pass
+    /// that it stands for.
+    struct Iteration {
+        uint32_t pass = 0;
+        size_t first = 0, count = 0;
+        double filmShare = 1;
+    };
+
+    LightChains(const ReplicaSettings& settings, const PathLimits& limits)
+        : limits_(limits), lanes_(settings), trails_(lanes_.size()) {}
+
+    /// Decides about the samples of the iteration to come, before its weights are known.
+    void begin(size_t samples, double radius);
+    /// M q of that iteration: light subpaths, times their density boost.
+    double effectiveSamples() const { return mix_.samples() * mix_.boost(); }
+    /// Traces the light subpaths and adds what they contribute to the film. `photons` (may be null) counts
+    /// the vertices of the uniform ones.
+    void run(const LightPass& pass, Film& film, const Iteration& iteration, PhotonDensity* photons);
+
+    /// Whether the chains have taken over from the plain passes.
+    bool ready() const { return ready_; }
+    /// Positions of the smooth vertices of all light subpaths that the last run() has used. Empty without
+    /// keepTrails and for plain passes.
+    std::vector<Vec3f> trails() const;
+    bool keepTrails = false;
+
+    nlohmann::json statistics() const;
+    std::string progressNote() const;
+
+  private:
+    void plainRun(const LightPass& pass, Film& film, const Iteration& iteration, PhotonDensity* photons);
+    void seedChains(const Iteration& iteration, const std::vector<double>& sizes);
+
+    PathLimits limits_;
+    ReplicaLanes<LightContribution> lanes_;
+    std::vector<std::vector<Vec3f>> trails_;  ///< of each lane
+    ReplicaMixture mix_;
+    double squaredRadius_ = 0;
+    bool seeded_ = false, ready_ = false;
+};
+
+}  // namespace metrolux

@@ -1,0 +1,120 @@
+#pragma once
+/// Two ways to make the set L of light subpaths that pssmlt_merge merges with (supplement, 4.1.1).
+
+#include "integrators/iteration.h"
+#include "markov/chain.h"
+#include "markov/normalisation.h"
+#include "markov/replica_mixture.h"
+#include "transport/photon_map.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace metrolux {
+
+/// What light subpaths are traced with in an iteration.
+struct LightTracing {
+    const Scene& scene;
+    const PathLimits& limits;
+    const Strategies& strategies;
+    PhotonDensity* photons = nullptr;  ///< counts the vertices of uniform light subpaths, if given
+
+    /// Appends the vertices of the light subpath of a stream.
+    void trace(SampleStream& stream, std::vector<Vertex>& vertices) const {
+        traceLightVertices(scene, stream, limits, strategies, vertices);
+    }
+    void count(const std::vector<Vertex>& vertices) const {
+        if (!photons) return;
+        for (const Vertex& v : vertices) photons->count(v.si.p);
+    }
+};
+
+/// Method B: half of the light subpaths are uniform, half come from visibility-driven chains with replica
+/// exchange [HJ11]. V(u) = 1 if a vertex lies within the merging radius of an eye vertex of the iteration.
+/// Invisible uniform ones are part of L: other eye subpaths than those may meet them.
+class VisibilityLightSet {
+  public:
+    VisibilityLightSet(const IntegratorOptions& options, size_t samples);
+
+    /// Decides about the iteration to come; the result is known before anything is traced.
+    void begin(size_t samples, double radius);
+    /// Samples of L times their density boost q: what merging counts for.
+    double effectiveSamples() const { return mix_.samples() * mix_.boost(); }
+    /// Vertices of L, whose throughputs carry the weights. `eyeGrid`: over the iteration's eye vertices.
+    std::vector<Vertex> make(const LightTracing& tracing, const VertexGrid& eyeGrid);
+
+    nlohmann::json statistics() const;
+
+  private:
+    struct Value {
+        std::vector<Vertex> vertices;
+        bool visible = false;
+    };
+    struct VisibilityTarget {
+        double operator()(const Value& v) const { return v.visible ? 1.0 : 0.0; }
+    };
+    using State = MarkovState<Value>;
+    struct Lane {
+        Lane(uint64_t key, MutationKernel::Kind kind) : rng(key), chain(VisibilityTarget{}, kind) {}
+        CounterRng rng;
+        MarkovChain<Value, VisibilityTarget> chain;
+        State proposal;
+        std::vector<std::pair<size_t, State>> visible;  ///< uniform samples of the iteration, with their step
+        std::vector<Vertex> result;
+        Normalisation::Samples samples;
+    };
+    size_t stepsOf(size_t lane) const;
+    void takeUniform(Lane& lane, size_t steps, const LightTracing& tracing, const VertexGrid& eyeGrid);
+    void startChains();
+    void runLane(Lane& lane, size_t steps, const LightTracing& tracing, const VertexGrid& eyeGrid);
+    static void evaluate(const LightTracing& tracing, const VertexGrid& eyeGrid, SampleStream& u,
+                         Value& value);
+    static void payOut(State& state, std::vector<Vertex>& result);
+
+    CounterRng rng_;
+    double inefficiency_;
+    std::vector<Lane> lanes_;
+    Normalisation normalisation_;
+    ReplicaMixture mix_;
+    double squaredRadius_ = 0;
+    bool chainsRun_ = false;
+};
+
+/// Method A, experimental: light subpaths of the states that pssmlt's chains had in the last iteration, and
+/// as many uniform ones. The density of the states is not known. It is estimated from the numbers of vertices
+/// of both kinds in the cells of a grid, rho = chain-made / uniform, and a vertex in such a cell weighs 1 /
+/// (n_U + n_A rho). That rho is a constant in a cell, the same for all directions and predecessors, and known
+/// with noise makes it biased (docs/integrators.md).
+class StateLightSet {
+  public:
+    /// `cell`: edge of the cells, in scene units.
+    StateLightSet(const IntegratorOptions& options, double cell, size_t lanes);
+
+    /// The state of a lane after a step; the lanes may call at once.
+    template <class State>
+    void observe(size_t lane, const State& state, bool moved) {
+        std::vector<Visited>& visited = visited_[lane];
+        if (moved || visited.empty()) visited.push_back({state.u, 0});
+        ++visited.back().steps;
+    }
+    /// Samples of L with `uniform` uniform ones: as many as there are, no boost.
+    double effectiveSamples(size_t uniform) const { return double(uniform) + double(steps()); }
+    /// Vertices of L, whose throughputs carry the weights; the observed states are forgotten. `pass` and
+    /// `first` name the uniform samples.
+    std::vector<Vertex> make(const LightTracing& tracing, size_t uniform, uint32_t pass, size_t first);
+
+  private:
+    struct Visited {
+        PrimarySample u;
+        uint32_t steps;
+    };
+    size_t steps() const;
+    std::vector<std::vector<Vertex>> traceStates(const LightTracing& tracing);
+    std::vector<std::vector<Vertex>> traceUniform(const LightTracing& tracing, size_t count, uint32_t pass,
+                                                  size_t first);
+
+    uint64_t seed_;
+    std::vector<std::vector<Visited>> visited_;  ///< of each lane
+    PhotonDensity chainMade_, uniform_;
+};
+
+}  // namespace metrolux

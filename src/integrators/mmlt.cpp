@@ -1,0 +1,117 @@
+#include "integrators/mmlt.h"
+
+#include "integrators/iteration.h"
+#include "integrators/path_chains.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace metrolux {
+
+namespace {
+
+/// Paths of this many edges and more share one set of chains, whose length is a coordinate too: so that a
+/// scene without depth limit has finitely many sets.
+constexpr int kLongPaths = 14;
+/// A long path of kLongPaths + i edges is chosen with probability (1 - p) p^i.
+constexpr double kContinuation = 0.75;
+/// Share of the samples that is spread evenly over lengths, whatever the first samples say of them.
+constexpr double kEvenShare = 0.1;
+
+class MmltIntegrator final : public Integrator {
+  private:
+    /// The integrand of paths of `length` edges; the longest stands for all that are longer.
+    auto evaluator(const PathPair& pair, int length) const {
+        return [this, &pair, length](SampleStream& u, PathValue& value) {
+            double scale = 1;
+            const bool longPaths = length == kLongPaths && options_.limits.maxDepth != kLongPaths;
+            const int chosen = longPaths ? chooseLong(u, scale) : length;
+            if (options_.limits.maxDepth >= 0 && chosen > options_.limits.maxDepth) {
+                value.splats.clear();
+                value.size = 0;
+                return;
+            }
+            pair.one(chosen, u, value.splats);
+            for (SplatList::FilmSplat& splat : value.splats.film) splat.value *= static_cast<float>(scale);
+            value.size = value.splats.size();
+        };
+    }
+
+  public:
+    MmltIntegrator(const Scene& scene, const IntegratorOptions& options)
+        : scene_(scene),
+          options_(options),
+          pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {
+        const int maxDepth = options.limits.maxDepth;
+        const int longest = maxDepth < 0 ? kLongPaths : std::min(maxDepth, kLongPaths);
+        for (int length = 2; length <= longest; ++length) {
+            samplers_.emplace_back(pathSamplerOptions(options, pixels_.size() / 8, uint64_t(length)));
+        }
+    }
+
+    void renderPass(Film& film) override {
+        directPass(scene_, options_.limits, options_.seed, pixels_, film);
+        const Strategies strategies = Strategies::bidirectional(1, 0);
+        const PathPair pair{scene_, options_.limits, strategies, film};
+        if (budgets_.empty()) shareOut(pair);
+        for (size_t i = 0; i < samplers_.size(); ++i)
+            samplers_[i].integrate(budgets_[i], evaluator(pair, int(i) + 2), payTo(film));
+        film.endPass();
+    }
+
+    nlohmann::json statistics() const override {
+        nlohmann::json j = chainStatistics(options_);
+        nlohmann::json& lengths = j["lengths"] = nlohmann::json::array();
+        for (size_t i = 0; i < samplers_.size(); ++i) {
+            lengths.push_back(samplerStatistics(samplers_[i]));
+            lengths.back()["edges"] = i + 2;
+            if (!budgets_.empty()) lengths.back()["samples_per_pass"] = budgets_[i];
+        }
+        return j;
+    }
+    std::string progressNote() const override {
+        PathSampler::Counts sum;
+        for (const PathSampler& sampler : samplers_) sum += sampler.counts();
+        return acceptanceNote(sum);
+    }
+
+  private:
+    /// Length of a long path by the coordinate after PathPair's own; `scale`: one over its probability.
+    static int chooseLong(SampleStream& u, double& scale) {
+        u.seek(0);
+        for (int i = 0; i <= PathPair::kTechniqueCoordinate; ++i) u.next1D();
+        const double extra = std::floor(std::log1p(-double(u.next1D())) / std::log(kContinuation));
+        scale = 1 / ((1 - kContinuation) * std::pow(kContinuation, extra));
+        return kLongPaths + static_cast<int>(extra);
+    }
+
+    /// Samples of a pass among lengths, in proportion to their first normalisations, once for all passes.
+    void shareOut(const PathPair& pair) {
+        double sum = 0;
+        for (size_t i = 0; i < samplers_.size(); ++i) {
+            samplers_[i].calibrate(evaluator(pair, int(i) + 2));
+            sum += samplers_[i].steering();
+        }
+        const double even = 1.0 / double(samplers_.size()), n = double(pixels_.size());
+        for (const PathSampler& sampler : samplers_) {
+            const double share =
+                sum > 0 ? kEvenShare * even + (1 - kEvenShare) * sampler.steering() / sum : even;
+            budgets_.push_back(std::max<size_t>(1, static_cast<size_t>(std::llround(share * n))));
+        }
+    }
+
+    const Scene& scene_;
+    IntegratorOptions options_;
+    std::vector<uint32_t> pixels_;
+    std::vector<PathSampler> samplers_;  ///< of lengths 2, 3, ...
+    std::vector<size_t> budgets_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> makeMmltIntegrator(const Scene& scene, const IntegratorOptions& options) {
+    return std::make_unique<MmltIntegrator>(scene, options);
+}
+
+}  // namespace metrolux

@@ -1,0 +1,59 @@
+#include "integrators/path_chains.h"
+
+#include "base/error.h"
+#include "sampling/streams.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace metrolux {
+
+namespace {
+double share(uint64_t a, uint64_t b) { return b ? double(a) / double(b) : 0.0; }
+}  // namespace
+
+MetropolisOptions pathSamplerOptions(const IntegratorOptions& options, size_t stepsPerPass, uint64_t name) {
+    if (!(options.largeStep >= 0 && options.largeStep <= 1))
+        throw Error("large-step probability: found {}, expected a number from 0 to 1", options.largeStep);
+    // Few chains are long ones; enough of them for many threads.
+    constexpr size_t kStepsPerPass = 1024, kFewest = 8, kMost = 64;
+    MetropolisOptions result;
+    result.key = hashKey(options.seed, StreamPurpose::Chain, name);
+    result.lanes = options.lanes > 0
+                       ? options.lanes
+                       : static_cast<int>(std::clamp(stepsPerPass / kStepsPerPass, kFewest, kMost));
+    result.kind = options.kernel.value_or(MutationKernel::Kind::Kelemen);
+    result.largeStep = options.largeStep;
+    // A few passes' worth: what is found before the first pass should not take much longer than it.
+    constexpr size_t kFewestSamples = 2048, kMostSamples = 16384;
+    result.poolSamples = std::clamp(4 * stepsPerPass, kFewestSamples, kMostSamples);
+    result.steeringSamples = result.poolSamples / 4;
+    return result;
+}
+
+nlohmann::json samplerStatistics(const PathSampler& sampler) {
+    const PathSampler::Counts c = sampler.counts();
+    nlohmann::json j{
+        {"b", {{"value", sampler.pool().mean()}}},
+        {"uniform_samples", sampler.pool().drawn()},
+        {"starts", c.starts},
+        {"small_steps",
+         {{"tried", c.mutationsTried}, {"acceptance", share(c.mutationsAccepted, c.mutationsTried)}}},
+        {"large_steps", {{"tried", c.largeTried}, {"acceptance", share(c.largeAccepted, c.largeTried)}}},
+        {"theta_mean", c.theta}};
+    if (sampler.pool().drawn() > 1) j["b"]["standard_error"] = sampler.pool().standardError();
+    return j;
+}
+
+nlohmann::json chainStatistics(const IntegratorOptions& options) {
+    return {{"kernel", options.kernel == MutationKernel::Kind::Adaptive ? "adaptive" : "kelemen"},
+            {"large_step_probability", options.largeStep}};
+}
+
+std::string acceptanceNote(const PathSampler::Counts& c) {
+    if (c.starts == 0) return "no light found yet";
+    return fmt::format("acceptance {:.2f}, large steps {:.2f}", share(c.mutationsAccepted, c.mutationsTried),
+                       share(c.largeAccepted, c.largeTried));
+}
+
+}  // namespace metrolux

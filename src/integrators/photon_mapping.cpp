@@ -1,0 +1,86 @@
+#include "integrators/photon_mapping.h"
+
+#include "integrators/light_chains.h"
+
+#include <optional>
+
+namespace metrolux {
+
+namespace {
+
+/// Each path has one vertex, the first from the camera that scatters it by a smooth lobe, where a photon can
+/// make it, or none, and then hit makes it: the techniques share no path, so that all weights are one.
+class PhotonMappingIntegrator final : public Integrator {
+  public:
+    PhotonMappingIntegrator(const Scene& scene, const IntegratorOptions& options, bool chains)
+        : scene_(scene),
+          options_(options),
+          partition_(scene.camera().window(), options),
+          radius_(projectedPixelRadius(scene, options), options.radiusAlpha) {
+        if (chains)
+            chains_.emplace(
+                replicaSettings(options, "uv", MutationKernel::Kind::Adaptive, partition_.pixels(0).size()),
+                options.limits);
+    }
+
+    void renderPass(Film& film) override {
+        size_t first = 0;
+        for (int part = 0; part < partition_.parts(); ++part) {
+            iterate(film, partition_.pixels(part), first);
+            first += partition_.pixels(part).size();
+        }
+        film.endPass();
+        radius_.advance();
+    }
+
+    nlohmann::json statistics() const override {
+        nlohmann::json j = chains_ ? chains_->statistics() : nlohmann::json::object();
+        j.update({{"radius", radius_.radius()},
+                  {"parts", partition_.parts()},
+                  {"bytes_per_vertex", sizeof(Vertex)},
+                  {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes()}});
+        return j;
+    }
+    std::string progressNote() const override { return chains_ ? chains_->progressNote() : std::string(); }
+
+  private:
+    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) {
+        const double n = double(pixels.size()), r = radius_.radius();
+        // Hits over delta lobes have weight one with any counts; merges are not weighted.
+        const Strategies strategies = Strategies::path();
+        EyePass eyePass{scene_, options_.limits, strategies, options_.seed, film.passes()};
+        eyePass.nextEvent = eyePass.beyondSmooth = false;
+        eyePass.run(pixels, film, eyes_);
+        grid_.build(eyes_.all(), static_cast<float>(r));
+
+        LightPass lightPass{scene_, options_.limits, strategies, eyes_, grid_, film};
+        lightPass.connect = lightPass.splat = lightPass.weighted = false;
+        const double filmShare = n / film.pixelCount();
+        if (chains_) {
+            chains_->begin(pixels.size(), r);
+            chains_->run(lightPass, film, {film.passes(), first, pixels.size(), filmShare}, nullptr);
+        } else {
+            plainLightPass(lightPass, film, options_.seed, film.passes(), first, pixels.size(), filmShare);
+        }
+    }
+
+    const Scene& scene_;
+    IntegratorOptions options_;
+    PixelPartition partition_;
+    RadiusSchedule radius_;
+    std::optional<LightChains> chains_;
+    EyeVertices eyes_;
+    VertexGrid grid_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> makeSppmIntegrator(const Scene& scene, const IntegratorOptions& options) {
+    return std::make_unique<PhotonMappingIntegrator>(scene, options, false);
+}
+
+std::unique_ptr<Integrator> makeVptIntegrator(const Scene& scene, const IntegratorOptions& options) {
+    return std::make_unique<PhotonMappingIntegrator>(scene, options, true);
+}
+
+}  // namespace metrolux

@@ -1,0 +1,100 @@
+#include "integrators/split_mcmc.h"
+
+#include "integrators/eye_chains.h"
+
+#include <memory>
+
+namespace metrolux {
+
+namespace {
+
+class SplitMcmcIntegrator final : public Integrator {
+  public:
+    SplitMcmcIntegrator(const Scene& scene, const IntegratorOptions& options)
+        : scene_(scene),
+          options_(options),
+          partition_(scene.camera().window(), options),
+          radius_(projectedPixelRadius(scene, options), options.radiusAlpha),
+          light_(settings(), options.limits),
+          eye_(settings(), scene.camera().window()) {
+        light_.keepTrails = true;
+        if (options.correlationAware)
+            photons_ = std::make_unique<PhotonDensity>(kPhotonCell * radius_.radius());
+    }
+
+    void renderPass(Film& film) override {
+        size_t first = 0;
+        for (int part = 0; part < partition_.parts(); ++part) {
+            iterate(film, partition_.pixels(part), first);
+            first += partition_.pixels(part).size();
+        }
+        film.endPass();
+        radius_.advance();
+    }
+
+    nlohmann::json statistics() const override {
+        nlohmann::json j = light_.statistics();
+        j.update({{"eye_chains", eye_.statistics()},
+                  {"light_vertices", lightVertices_.size()},
+                  {"radius", radius_.radius()},
+                  {"parts", partition_.parts()},
+                  {"bytes_per_vertex", sizeof(Vertex)},
+                  {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes() + oldGrid_.memoryBytes()}});
+        return j;
+    }
+    std::string progressNote() const override { return light_.progressNote(); }
+
+  private:
+    ReplicaSettings settings() const {
+        return replicaSettings(options_, "uv", MutationKernel::Kind::Adaptive, partition_.pixels(0).size());
+    }
+
+    /// Per light subpath, with boosts q_E and q_L of eye and light subpaths' densities: n_E q_E hits and nee,
+    /// q_E q_L connections, q_L splats and n_E q_E q_L pi r^2 merges; divided by those of connections.
+    Strategies strategies(double eyeSamples, double eyeBoost) const {
+        const double r = radius_.radius();
+        return Strategies::bidirectional(light_.effectiveSamples() / eyeSamples,
+                                         eyeSamples * std::numbers::pi * r * r, photons_.get(), 1 / eyeBoost);
+    }
+
+    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) {
+        const double n = double(pixels.size());
+        const float r = static_cast<float>(radius_.radius());
+        const LightChains::Iteration iteration{film.passes(), first, pixels.size(), n / film.pixelCount()};
+        const bool chains = !lightVertices_.empty();
+        light_.begin(pixels.size(), radius_.radius());
+        if (chains) eye_.begin(pixels.size(), radius_.radius());
+        const Strategies counts = chains ? strategies(eye_.samples(), eye_.boost()) : strategies(n, 1);
+
+        EyePass eyePass{scene_, options_.limits, counts, options_.seed, film.passes()};
+        if (chains) {
+            eyePass.nextEvent = false;  // EyeChains does it
+            oldGrid_.buildPoints(lightVertices_, r);
+            eye_.run(eyePass, oldGrid_, film, iteration, eyes_);
+        } else {
+            eyePass.run(pixels, film, eyes_);
+        }
+        grid_.build(eyes_.all(), r);
+        light_.run({scene_, options_.limits, counts, eyes_, grid_, film}, film, iteration, photons_.get());
+        lightVertices_ = light_.trails();
+    }
+
+    const Scene& scene_;
+    IntegratorOptions options_;
+    PixelPartition partition_;
+    RadiusSchedule radius_;
+    LightChains light_;
+    EyeChains eye_;
+    std::vector<Vec3f> lightVertices_;        ///< of the last iteration
+    std::unique_ptr<PhotonDensity> photons_;  ///< null: not options.correlationAware
+    EyeVertices eyes_;
+    VertexGrid grid_, oldGrid_;
+};
+
+}  // namespace
+
+std::unique_ptr<Integrator> makeSplitMcmcIntegrator(const Scene& scene, const IntegratorOptions& options) {
+    return std::make_unique<SplitMcmcIntegrator>(scene, options);
+}
+
+}  // namespace metrolux

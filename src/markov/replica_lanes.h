@@ -1,0 +1,358 @@
+#pragma once
+/// The replicas of ALGORITHM.md section 3 (uniform, visibility, contribution) in independent lanes, with
+/// replica exchange and expected-value weights. Like the chains, it knows nothing of what a value means.
+
+#include "base/distribution.h"
+#include "base/parallel.h"
+#include "markov/chain.h"
+#include "markov/normalisation.h"
+#include "markov/replica_mixture.h"
+#include "sampling/streams.h"
+
+namespace metrolux {
+
+struct ReplicaSettings {
+    uint64_t seed = 0;
+    MutationKernel::Kind kernel = MutationKernel::Kind::Adaptive;
+    double inefficiency = 1;  ///< ReplicaMixture::inefficiency
+    int lanes = 1;
+    bool uniform = true, visibility = true, contribution = true;  ///< replicas that take part
+    int replicas() const { return uniform + visibility + contribution; }
+};
+
+/// What the lanes have done so far.
+struct ReplicaCounts {
+    struct Acceptance {
+        uint64_t tried = 0, accepted = 0;
+        double theta = 0;  ///< mean over the lanes
+        double rate() const { return tried ? double(accepted) / double(tried) : 0; }
+    };
+    Acceptance visibility, contribution;
+    uint64_t swapsTried = 0, swapsMade = 0;  ///< visibility with contribution
+    uint64_t uniformSwaps = 0;               ///< uniform with visibility
+    uint64_t replaced = 0;                   ///< states that had become invisible
+};
+
+/// A fixed number of lanes, each with its own chains, adaptation and random numbers, that live across
+/// iterations. `Value` has `double size` (F) and `bool visible() const`. A `Model` joins them with transport:
+///
+///     void startUniform(PrimarySample& u, CounterRng&, size_t lane, size_t step)  // coordinates to begin
+///     with void evaluateUniform(SampleStream&, Value&), evaluate(SampleStream&, Value&) void pay(size_t
+///     lane, Value&, double weight)  // adds what the value contributes, with its weight
+///
+/// Its calls come from many threads, those of a lane from one.
+template <class Value>
+class ReplicaLanes {
+  public:
+    using State = MarkovState<Value>;
+
+    explicit ReplicaLanes(const ReplicaSettings& settings) : settings_(settings) {
+        for (int i = 0; i < settings.lanes; ++i) lanes_.emplace_back(settings.seed, i, settings.kernel);
+    }
+
+    const ReplicaSettings& settings() const { return settings_; }
+    size_t size() const { return lanes_.size(); }
+    Normalisation& normalisation() { return normalisation_; }
+    const Normalisation& normalisation() const { return normalisation_; }
+
+    /// Counts and normalisations of an iteration of about so many samples; each lane takes steps of one
+    /// sample of every replica in use. Without `chains`: uniform samples alone.
+    ReplicaMixture mixture(size_t samples, bool chains = true) const {
+        ReplicaMixture mix;
+        mix.bVisibility = normalisation_.visibility();
+        mix.bContribution = normalisation_.contribution();
+        mix.inefficiency = settings_.inefficiency;
+        const int kinds = chains ? settings_.replicas() : 1;
+        const size_t n = lanes_.size();
+        const double perReplica = double(std::max<size_t>(1, (samples / kinds + n - 1) / n) * n);
+        mix.uniform = settings_.uniform || !chains ? perReplica : 0;
+        mix.visibility = settings_.visibility && chains ? perReplica : 0;
+        mix.contribution = settings_.contribution && chains ? perReplica : 0;
+        return mix;
+    }
+
+    /// Samples of an iteration that were taken elsewhere, uniform ones of these sizes. Shared out among the
+    /// lanes, so that the jackknife over lanes covers them.
+    void addUniform(const std::vector<double>& sizes) {
+        for (size_t i = 0; i < sizes.size(); ++i) lanes_[i % lanes_.size()].samples.addUniform(sizes[i]);
+    }
+
+    /// Gives each lane's chains states to go on from; they are evaluated by the next run().
+    template <class StateOf>
+    void seed(StateOf&& stateOf) {
+        for (Lane& lane : lanes_) {
+            stateOf(lane.visibility.state().u, lane.contribution.state().u);
+            lane.lastVisible = lane.visibility.state().u;
+        }
+    }
+
+    /// All samples of an iteration; the scales of `mix` are set. `pass` and `first` name the iteration.
+    template <class Model>
+    void run(Model& model, ReplicaMixture& mix, uint32_t pass, size_t first) {
+        const size_t steps =
+            static_cast<size_t>(std::max({mix.uniform, mix.visibility, mix.contribution})) / lanes_.size();
+        // Decided by what is expected, not by what is found: a choice by the samples themselves would bias
+        // them.
+        const bool pooled = mix.uniform * mix.bVisibility >= kSmallestPool;
+        for (Lane& lane : lanes_) lane.early.clear();
+        const size_t earlySteps = pooled ? takeEarlySamples(model, mix, steps) : 0;
+        if (pooled)
+            startChains(model, pass, first, double(earlySteps * lanes_.size()), mix);
+        else
+            renewStates(model);
+        parallelFor(lanes_.size(), [&](size_t i) { runLane(model, i, mix, earlySteps, steps); });
+    }
+
+    /// Closes the iteration, made with this squared radius.
+    void endIteration(double squaredRadius) {
+        for (size_t i = 0; i < lanes_.size(); ++i) {
+            normalisation_.add(static_cast<int>(i), lanes_[i].samples);
+            lanes_[i].samples.clear();
+        }
+        normalisation_.endIteration(squaredRadius);
+    }
+
+    ReplicaCounts counts() const {
+        ReplicaCounts c;
+        for (const Lane& lane : lanes_) {
+            addAcceptance(lane.visibility.kernel(), c.visibility);
+            addAcceptance(lane.contribution.kernel(), c.contribution);
+            c.swapsTried += lane.swapsTried;
+            c.swapsMade += lane.swapsMade;
+            c.uniformSwaps += lane.uniformSwaps;
+            c.replaced += lane.replaced;
+        }
+        return c;
+    }
+
+  private:
+    struct VisibilityTarget {
+        double operator()(const Value& v) const { return v.visible() ? 1.0 : 0.0; }
+    };
+    struct ContributionTarget {
+        double operator()(const Value& v) const { return v.size; }
+    };
+
+    /// Visible states that an iteration's chains are chosen from, at most. Their mean F enters the image as a
+    /// factor.
+    static constexpr size_t kPoolSize = 16384;
+    /// With fewer visible uniform samples expected in an iteration, chains go on from the last one's states.
+    static constexpr double kSmallestPool = 4;
+
+    struct Lane {
+        Lane(uint64_t seed, int index, MutationKernel::Kind kind)
+            : rng(hashKey(seed, StreamPurpose::Chain, index)),
+              visibility(VisibilityTarget{}, kind),
+              contribution(ContributionTarget{}, kind) {}
+
+        CounterRng rng;
+        MarkovChain<Value, VisibilityTarget> visibility;
+        MarkovChain<Value, ContributionTarget> contribution;
+        /// A visible uniform sample that was taken before the chains of the iteration started.
+        struct Early {
+            size_t step;
+            State state;
+        };
+        std::vector<Early> early;
+        PrimarySample lastVisible;  ///< last visible uniform sample: replaces a state that became invisible
+        State uniform, proposal;    ///< kept for their memory
+        uint64_t swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
+        Normalisation::Samples samples;
+    };
+
+    void addAcceptance(const MutationKernel& kernel, ReplicaCounts::Acceptance& a) const {
+        a.tried += kernel.tried();
+        a.accepted += kernel.accepted();
+        a.theta += kernel.theta() / double(lanes_.size());
+    }
+
+    /// Adds what a state contributes with the weight that it has earned.
+    template <class Model>
+    static void payOut(Model& model, size_t lane, State& state) {
+        if (state.weight > 0) model.pay(lane, state.value, state.weight);
+        state.weight = 0;
+    }
+
+    template <class Model>
+    void uniformSample(Model& model, size_t index, size_t step, const ReplicaMixture& mix) {
+        Lane& lane = lanes_[index];
+        State& u = lane.uniform;
+        u.u.clear();
+        u.weight = 0;
+        model.startUniform(u.u, lane.rng, index, step);
+        PrimarySampleStream stream(u.u, lane.rng);
+        model.evaluateUniform(stream, u.value);
+        lane.samples.addUniform(u.value.size);
+        if (u.value.visible()) {
+            lane.lastVisible = u.u;
+        } else {
+            u.weight = mix.invisibleWeight;
+            payOut(model, index, u);
+        }
+    }
+
+    /// Takes the first of the iteration's uniform samples, until enough are visible to start the chains from.
+    /// Returns how many a lane has taken; the lanes keep the visible ones until their chains come to that
+    /// step.
+    template <class Model>
+    size_t takeEarlySamples(Model& model, const ReplicaMixture& mix, size_t steps) {
+        size_t taken = 0, visible = 0;
+        const size_t round = std::max<size_t>(1, kPoolSize / lanes_.size());
+        while (taken < steps && visible < kPoolSize) {
+            const size_t end = std::min(steps, taken + round);
+            parallelFor(lanes_.size(), [&](size_t i) {
+                for (size_t step = taken; step < end; ++step) {
+                    uniformSample(model, i, step, mix);
+                    if (!lanes_[i].uniform.value.visible()) continue;
+                    lanes_[i].early.push_back({step, std::exchange(lanes_[i].uniform, {})});
+                }
+            });
+            taken = end;
+            visible = 0;
+            for (const Lane& lane : lanes_) visible += lane.early.size();
+        }
+        return taken;
+    }
+
+    /// The targets are new in each iteration. Chains start from visible uniform samples of this iteration:
+    /// any of them for the visibility replica, chosen in proportion to F for the contribution replica, with
+    /// the scales that make such a start unbiased (ReplicaMixture). Going on from the last iteration's states
+    /// made short chains up to 9 % too bright (white sphere in glass, 32x32 pixels); the same start without
+    /// the scales made them 1.2 % too dark where F has heavy tails (veach-mis, 64x48).
+    template <class Model>
+    void startChains(Model& model, uint32_t pass, size_t first, double taken, ReplicaMixture& mix) {
+        std::vector<const State*> pool;
+        std::vector<double> sizes;
+        for (const Lane& lane : lanes_)
+            for (const auto& e : lane.early) {
+                pool.push_back(&e.state);
+                sizes.push_back(e.state.value.size);
+            }
+        double sum = 0;
+        for (const double size : sizes) sum += size;
+        mix.visibilityScale = double(pool.size()) / (taken * mix.bVisibility);
+        mix.contributionScale = sum / (taken * mix.bContribution);
+        if (pool.empty()) {  // both scales are 0: what the chains find does not count
+            renewStates(model);
+            return;
+        }
+        const DiscreteDistribution bySize(sizes);
+        CounterRng rng(hashKey(settings_.seed, StreamPurpose::Replacement, pass, first));
+        const double lanes = double(lanes_.size()), offsetV = rng.nextDouble(), offsetF = rng.nextDouble();
+        for (size_t i = 0; i < lanes_.size(); ++i) {
+            const size_t v =
+                std::min(pool.size() - 1, size_t((double(i) + offsetV) / lanes * double(pool.size())));
+            float u = std::min(static_cast<float>((double(i) + offsetF) / lanes), kOneMinusEpsilon);
+            lanes_[i].visibility.state() = *pool[v];
+            lanes_[i].contribution.state() = *pool[bySize.sample(u)];
+        }
+    }
+
+    /// What is visible is too rare for startChains(): chains keep what they have found. Every state is
+    /// evaluated again; one that has become invisible is replaced by a visible uniform sample: the last one
+    /// that the lane has seen, or a fresh one. Resampling the lanes by new / old target was tried: it cannot
+    /// reach what was invisible before, so that short chains gathered where light is always visible and b_F
+    /// ran away (door-ajar, +30 %).
+    template <class Model>
+    void renewStates(Model& model) {
+        constexpr int kFreshTries = 64;
+        parallelFor(lanes_.size(), [&](size_t i) {
+            Lane& lane = lanes_[i];
+            const auto evaluate = [&](SampleStream& u, Value& value) { model.evaluate(u, value); };
+            lane.visibility.reevaluate(evaluate, lane.rng);
+            lane.contribution.reevaluate(evaluate, lane.rng);
+            State &v = lane.visibility.state(), &f = lane.contribution.state();
+            if (v.value.visible() && f.value.visible()) return;
+            State fresh;
+            fresh.u = lane.lastVisible;
+            for (int attempt = 0; attempt <= kFreshTries && !fresh.value.visible(); ++attempt) {
+                if (attempt > 0) fresh.u.clear();
+                PrimarySampleStream stream(fresh.u, lane.rng);
+                evaluate(stream, fresh.value);
+            }
+            // While none is found the replica idles, which only loses samples.
+            if (!fresh.value.visible()) return;
+            ++lane.replaced;
+            if (!v.value.visible()) v = fresh;
+            if (!f.value.visible()) f = fresh;
+        });
+    }
+
+    /// The step's uniform sample; whether the visibility replica has received it.
+    template <class Model>
+    bool uniformStep(Model& model, size_t index, const ReplicaMixture& mix, size_t step, bool early,
+                     typename std::vector<typename Lane::Early>::iterator& nextEarly) {
+        Lane& lane = lanes_[index];
+        State& u = lane.uniform;
+        if (!early) {
+            uniformSample(model, index, step, mix);
+        } else if (nextEarly != lane.early.end() && nextEarly->step == step) {
+            std::swap(u, (nextEarly++)->state);
+        } else {
+            return false;  // it was invisible
+        }
+        if (!u.value.visible()) return false;
+        u.weight = mix.uniformWeight(u.value.size);
+        if (!(mix.visibility > 0)) {
+            payOut(model, index, u);
+            return false;
+        }
+        // Exchange with the visibility replica is certain for a visible sample [HJ11].
+        payOut(model, index, lane.visibility.state());
+        std::swap(u, lane.visibility.state());
+        ++lane.uniformSwaps;
+        return true;
+    }
+
+    /// `fresh`: the replica has just received a uniform sample, and does not mutate.
+    template <class Model>
+    void visibilityStep(Model& model, size_t index, const ReplicaMixture& mix, bool fresh) {
+        Lane& lane = lanes_[index];
+        if (!fresh) {
+            const auto evaluate = [&](SampleStream& u, Value& value) { model.evaluate(u, value); };
+            const double a = lane.visibility.propose(evaluate, lane.proposal, lane.rng);
+            if (lane.visibility.decide(a, lane.proposal, lane.rng)) payOut(model, index, lane.proposal);
+        }
+        State& v = lane.visibility.state();
+        v.weight += mix.visibilityWeight(v.value.size);
+        if (v.value.visible()) lane.samples.addVisibility(v.value.size);
+    }
+
+    /// These samples do not enter the normalisations: b_F estimated from them would feed what short chains
+    /// have not yet found back into their weight.
+    template <class Model>
+    void contributionStep(Model& model, size_t index, const ReplicaMixture& mix) {
+        Lane& lane = lanes_[index];
+        const auto evaluate = [&](SampleStream& u, Value& value) { model.evaluate(u, value); };
+        auto& chain = lane.contribution;
+        const double a = chain.propose(evaluate, lane.proposal, lane.rng);
+        lane.proposal.weight = a * mix.contributionWeight(lane.proposal.value.size);
+        chain.state().weight += (1.0 - a) * mix.contributionWeight(chain.state().value.size);
+        chain.decide(a, lane.proposal, lane.rng);
+        payOut(model, index, lane.proposal);  // the one of the two that the chain has left
+        if (mix.visibility > 0 && lane.visibility.state().value.visible()) {
+            ++lane.swapsTried;
+            lane.swapsMade += exchangeReplicas(lane.visibility, lane.contribution, lane.rng);
+        }
+    }
+
+    template <class Model>
+    void runLane(Model& model, size_t index, const ReplicaMixture& mix, size_t earlySteps, size_t steps) {
+        Lane& lane = lanes_[index];
+        auto nextEarly = lane.early.begin();
+        for (size_t step = 0; step < steps; ++step) {
+            bool fresh = false;
+            if (mix.uniform > 0) fresh = uniformStep(model, index, mix, step, step < earlySteps, nextEarly);
+            if (mix.visibility > 0) visibilityStep(model, index, mix, fresh);
+            if (mix.contribution > 0) contributionStep(model, index, mix);
+        }
+        payOut(model, index, lane.visibility.state());
+        payOut(model, index, lane.contribution.state());
+    }
+
+    ReplicaSettings settings_;
+    std::vector<Lane> lanes_;
+    Normalisation normalisation_;
+};
+
+}  // namespace metrolux

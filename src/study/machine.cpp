@@ -1,0 +1,60 @@
+#include "study/machine.h"
+
+#include <fmt/chrono.h>
+#include <tbb/version.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <sys/utsname.h>
+#include <thread>
+#include <unistd.h>
+
+namespace metrolux::study {
+namespace {
+
+#if defined(__clang__)
+constexpr const char* kCompiler = __VERSION__;  // names itself
+#else
+constexpr const char* kCompiler = "GCC " __VERSION__;
+#endif
+
+std::string processorName() {
+    std::ifstream file("/proc/cpuinfo");
+    std::string line;
+    while (std::getline(file, line)) {
+        const size_t colon = line.find(": ");
+        if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+    }
+    return "unknown";
+}
+
+std::string systemName() {
+    utsname name{};
+    if (::uname(&name) != 0) return "unknown";
+    return fmt::format("{} {} {}", name.sysname, name.release, name.machine);
+}
+
+/// Processes that want to run, mean over the last minute; negative: not known.
+double loadAverage() {
+    double load = -1;
+    return ::getloadavg(&load, 1) == 1 ? load : -1;
+}
+
+}  // namespace
+
+nlohmann::json describeMachine(int threads) {
+    const auto pages = static_cast<uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
+    const auto pageSize = static_cast<uint64_t>(std::max(0L, ::sysconf(_SC_PAGE_SIZE)));
+    return {
+        {"processor", processorName()}, {"cores", std::thread::hardware_concurrency()},
+        {"threads", threads},           {"memory_bytes", pages * pageSize},
+        {"system", systemName()},       {"compiler", kCompiler},
+        {"tbb", TBB_runtime_version()}, {"load", loadAverage()},
+    };
+}
+
+std::string timestamp() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
+
+}  // namespace metrolux::study

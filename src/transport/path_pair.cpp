@@ -1,0 +1,143 @@
+#include "transport/path_pair.h"
+
+#include "sampling/streams.h"
+#include "transport/connect.h"
+#include "transport/subpath.h"
+
+namespace metrolux {
+
+namespace {
+
+/// Follows a subpath to its vertex after `depth` edges.
+class VertexAt final : public SubpathVisitor {
+  public:
+    explicit VertexAt(int depth) : depth_(depth) {}
+    const std::optional<Vertex>& vertex() const { return vertex_; }
+    bool canConnect() const { return vertex_ && vertex_->bsdf().hasSmoothLobe(); }
+
+    bool surface(const Vertex& v) override {
+        if (v.depth < depth_) return true;
+        vertex_ = v;
+        return false;
+    }
+
+  private:
+    int depth_;
+    std::optional<Vertex> vertex_;
+};
+
+/// Radiance of the emitter that an eye subpath meets with its edge number `depth`.
+class EmitterAt final : public SubpathVisitor {
+  public:
+    EmitterAt(const PathPair& pair, int depth) : pair_(pair), depth_(depth) {}
+    const Rgb& value() const { return value_; }
+
+    bool surface(const Vertex& v) override {
+        if (v.depth < depth_) return true;
+        if (v.si.shape->emitter) value_ = hitLight(pair_.scene, pair_.strategies, v);
+        return false;
+    }
+    void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput, const MisState& mis,
+                 int depth) override {
+        if (depth == depth_)
+            value_ = hitEnvironment(pair_.scene, pair_.strategies, from, direction, throughput, mis, depth);
+    }
+
+  private:
+    const PathPair& pair_;
+    int depth_;
+    Rgb value_{0.0f};
+};
+
+/// The three streams of PathPair.
+struct Streams {
+    InterleavedStream eye, light, nee;
+    explicit Streams(SampleStream& u)
+        : eye(u, 0, PathPair::kStreams),
+          light(u, PathPair::kLightStream, PathPair::kStreams),
+          nee(u, 2, PathPair::kStreams) {}
+};
+
+}  // namespace
+
+Vec2f PathPair::rasterOf(SampleStream& eyeStream) const {
+    eyeStream.seek(0);
+    return film.reach().at(eyeStream.next2D());
+}
+
+void PathPair::addSplat(const Vec2f& raster, const Rgb& value, Technique technique, SplatList& splats) const {
+    if (film.rejectNonFinite(value, technique) || isBlack(value) || !film.reach().contains(raster)) return;
+    splats.film.push_back({raster, value});
+}
+
+void PathPair::all(SampleStream& u, SplatList& splats) const {
+    splats.clear();
+    Streams streams(u);
+    const Vec2f raster = rasterOf(streams.eye);
+    EyePass eyePass{scene, limits, strategies};
+    eyePass.direct = false;
+    thread_local std::vector<Vertex> eye;  // keeps its memory
+    eye.clear();
+    Rgb sum = eyePass.trace(streams.eye, streams.nee, raster, film.reach().area(), 0, film, eye);
+
+    if (photons)
+        for (const Vertex& v : eye) {
+            const Rgb merged = photons->merge(strategies, v, limits.maxDepth);
+            if (!film.rejectNonFinite(merged, Technique::Merge)) sum += merged;
+        }
+
+    const EyeVertices none;
+    const VertexGrid noGrid;
+    LightPass lightPass{scene, limits, strategies, none, noGrid, film};
+    lightPass.merge = false;
+    lightPass.trace(streams.light, eye, 1, splats);
+    // Connections belong to the eye subpath's raster position, as hit and nee do.
+    for (const SplatList::PixelSplat& connection : splats.pixels) sum += connection.value;
+    splats.pixels.clear();
+    const RasterRectangle reach = film.reach();
+    std::erase_if(splats.film, [&](const auto& splat) { return !reach.contains(splat.position); });
+    addSplat(raster, sum, Technique::Connect, splats);
+}
+
+void PathPair::one(int length, SampleStream& u, SplatList& splats) const {
+    splats.clear();
+    Streams streams(u);
+    Vec2f raster = rasterOf(streams.eye);
+    streams.eye.next2D();
+    // (s, t) with s light vertices and t = length + 1 - s >= 1 eye vertices, the camera among them.
+    const int techniques = length + 1;
+    const int s = std::min(static_cast<int>(streams.eye.next1D() * static_cast<float>(techniques)), length);
+    const int t = length + 1 - s;
+    const auto add = [&](const Rgb& value, Technique technique) {
+        addSplat(raster, value * static_cast<float>(techniques), technique, splats);
+    };
+
+    VertexAt light(s - 1), eye(t - 1);
+    if (s >= 2) {
+        traceLightSubpath(scene, streams.light, limits, strategies, light);
+        if (!light.canConnect()) return;
+    }
+    if (t == 1) {
+        const Vec2f uLens = LightPass::lensCoordinates(streams.light);
+        const Rgb value = connectToCamera(scene, strategies, *light.vertex(), uLens, true, raster);
+        return add(value, Technique::Splat);
+    }
+    const float area = film.reach().area();
+    if (s == 0) {
+        EmitterAt emitter(*this, length);
+        traceEyeSubpath(scene, streams.eye, limits, strategies, raster, area, 0, emitter);
+        return add(emitter.value(), Technique::Hit);
+    }
+    traceEyeSubpath(scene, streams.eye, limits, strategies, raster, area, 0, eye);
+    if (!eye.canConnect()) return;
+    if (s == 1) {
+        streams.nee.seek(eye.vertex()->depth);
+        const float uLight = streams.nee.next1D();
+        streams.nee.next1D();  // as EyePass: keeps the pair that follows aligned
+        add(connectToLight(scene, strategies, *eye.vertex(), uLight, streams.nee.next2D()), Technique::Nee);
+    } else {
+        add(connectVertices(scene, strategies, *light.vertex(), *eye.vertex()), Technique::Connect);
+    }
+}
+
+}  // namespace metrolux

@@ -1,0 +1,42 @@
+#pragma once
+#include "transport/eye_pass.h"
+#include "transport/light_pass.h"
+#include "transport/photon_map.h"
+
+namespace metrolux {
+
+/// What a point of the primary sample space of complete paths contributes: one eye subpath and one light
+/// subpath are traced and joined by the techniques of bidirectional path tracing, with their weights. The
+/// integrand of PSSMLT [Kel02] and of multiplexed MLT (Hachisuka, Kaplanyan, Dachsbacher 2014).
+///
+/// Emitters that the camera sees directly (paths of one edge) are left out: they need no search.
+///
+/// Scale: each splat is an estimate of the film's density at its raster position from one sample; average
+/// over samples (SplatList, Film::addSplats).
+struct PathPair {
+    const Scene& scene;
+    const PathLimits& limits;
+    const Strategies& strategies;
+    Film& film;  ///< window, filter, count of non-finite contributions; nothing is added to it
+    const PhotonMap* photons = nullptr;  ///< all() merges the eye subpath with them, if given
+
+    /// Coordinates: three interleaved streams, for the eye subpath, the light subpath and next-event
+    /// estimation. The eye's block 0: raster position (2), lens (2), then the caller's.
+    static constexpr int kStreams = 3;
+    static constexpr int kLightStream = 1;
+    /// First coordinate of the eye's block 0 that neither all() nor the eye subpath uses.
+    static constexpr int kTechniqueCoordinate = 4;
+
+    /// All techniques of all path lengths; `splats` is cleared first.
+    void all(SampleStream& u, SplatList& splats) const;
+    /// One technique of paths of `length` >= 2 edges, chosen uniformly by coordinate kTechniqueCoordinate
+    /// (whose scale is part of the value); `splats` is cleared first.
+    void one(int length, SampleStream& u, SplatList& splats) const;
+
+  private:
+    Vec2f rasterOf(SampleStream& eyeStream) const;
+    /// Splats outside of Film::reach() change no pixel and may not count for the size either.
+    void addSplat(const Vec2f& raster, const Rgb& value, Technique technique, SplatList& splats) const;
+};
+
+}  // namespace metrolux

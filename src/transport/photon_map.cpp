@@ -1,0 +1,47 @@
+#include "transport/photon_map.h"
+
+#include "transport/connect.h"
+
+namespace metrolux {
+
+void PhotonMap::build(std::vector<Vertex> vertices, float radius) {
+    vertices_ = std::move(vertices);
+    grid_.clear();
+    grid_.build(vertices_, radius);
+    inverseDiskArea_ = 1.0 / (double(kPi) * radius * radius);
+}
+
+Rgb PhotonMap::merge(const Strategies& strategies, const Vertex& eye, int maxDepth) const {
+    Rgb sum(0.0f);
+    grid_.query(eye.si.p, [&](uint32_t index) {
+        const Vertex& light = vertices_[index];
+        if (maxDepth < 0 || light.depth + eye.depth <= maxDepth)
+            sum += mergeVertices(strategies, light, eye, inverseDiskArea_);
+    });
+    return sum;
+}
+
+namespace {
+
+class KeepVertices final : public SubpathVisitor {
+  public:
+    KeepVertices(int maxDepth, std::vector<Vertex>& kept) : maxDepth_(maxDepth), kept_(kept) {}
+    bool surface(const Vertex& v) override {
+        if (v.bsdf().hasSmoothLobe()) kept_.push_back(v);
+        return maxDepth_ < 0 || v.depth + 1 < maxDepth_;
+    }
+
+  private:
+    int maxDepth_;
+    std::vector<Vertex>& kept_;
+};
+
+}  // namespace
+
+void traceLightVertices(const Scene& scene, SampleStream& stream, const PathLimits& limits,
+                        const Strategies& strategies, std::vector<Vertex>& vertices) {
+    KeepVertices visitor(limits.maxDepth, vertices);
+    traceLightSubpath(scene, stream, limits, strategies, visitor);
+}
+
+}  // namespace metrolux

@@ -1,0 +1,111 @@
+/// Lanes of replicas on a toy integrand: their weighted sum is the integral, with the normalisations that
+/// they estimate themselves.
+
+#include "markov/replica_lanes.h"
+
+#include "support/block_statistics.h"
+
+#include <boost/math/distributions/students_t.hpp>
+#include <gtest/gtest.h>
+
+namespace metrolux {
+namespace {
+
+/// F = 1 + 30 y for x < visibleShare, else invisible.
+struct ToyValue {
+    double x = 0, size = 0;
+    bool visible() const { return size > 0; }
+};
+
+struct ToyModel {
+    double visibleShare;
+    std::vector<double> sums;  ///< of each lane: of weight * (size + h) ...
+    double invisible = 0;      ///< ... h of what is invisible
+
+    void startUniform(PrimarySample&, CounterRng&, size_t, size_t) const {}
+    void evaluateUniform(SampleStream& u, ToyValue& v) const { evaluate(u, v); }
+    void evaluate(SampleStream& u, ToyValue& v) const {
+        u.seek(0);
+        const Vec2f p = u.next2D();
+        v.x = p.x;
+        v.size = p.x < visibleShare ? 1 + 30 * p.y : 0;
+    }
+    void pay(size_t lane, const ToyValue& v, double weight) {
+        sums[lane] += weight * (v.visible() ? v.size : invisible);
+    }
+};
+
+struct Case {
+    bool uniform, visibility, contribution;
+    double visibleShare, invisible;
+};
+
+/// Mean over iterations of one seed.
+double estimate(const Case& c, uint64_t seed) {
+    constexpr int kIterations = 40;
+    constexpr size_t kSamples = 600;
+    ReplicaSettings s;
+    s.seed = seed;
+    s.kernel = MutationKernel::Kind::Adaptive;
+    s.inefficiency = 3;
+    s.lanes = 8;
+    s.uniform = c.uniform;
+    s.visibility = c.visibility;
+    s.contribution = c.contribution;
+    ReplicaLanes<ToyValue> lanes(s);
+    ToyModel model{c.visibleShare, std::vector<double>(8, 0.0), c.invisible};
+    for (int i = 0; i < kIterations; ++i) {
+        lanes.normalisation().update(1);
+        ReplicaMixture mix = lanes.mixture(kSamples, i > 0);
+        if (mix.uniform > 0 && c.invisible > 0) mix.invisibleWeight = 1 / mix.uniform;
+        lanes.run(model, mix, uint32_t(i), 0);
+        lanes.endIteration(1);
+    }
+    double sum = 0;
+    for (const double x : model.sums) sum += x;
+    return sum / kIterations;
+}
+
+TEST(ReplicaLanes, WeightedSumsAreTheIntegral) {
+    constexpr int kSeeds = 32;
+    constexpr double kRate = 1e-3;  // that any of the cases fails by chance
+    const std::vector<Case> cases{
+        {true, false, false, 0.3, 0}, {true, true, false, 0.3, 0},  {true, false, true, 0.3, 0},
+        {true, true, true, 0.3, 0},   {true, true, true, 0.05, 0},  {true, true, false, 0.3, 2},
+        {true, true, true, 1, 0},     {true, true, false, 0.05, 5},
+    };
+    for (size_t k = 0; k < cases.size(); ++k) {
+        const Case& c = cases[k];
+        std::vector<double> values;
+        double mean = 0;
+        for (int seed = 0; seed < kSeeds; ++seed) {
+            values.push_back(estimate(c, hashKey(k, seed)));
+            mean += values.back() / kSeeds;
+        }
+        double scatter = 0;
+        for (const double v : values) scatter += (v - mean) * (v - mean);
+        const double error = std::sqrt(scatter / (kSeeds - 1) / kSeeds);
+        const double expected = c.visibleShare * 16 + (1 - c.visibleShare) * c.invisible;
+        const double critical = boost::math::quantile(boost::math::complement(
+            boost::math::students_t(kSeeds - 1), test::sidak(kRate, double(cases.size())) / 2));
+        EXPECT_LE(std::abs(mean - expected), critical * error)
+            << "case " << k << ": " << mean << " +- " << error << ", expected " << expected;
+        EXPECT_LT(critical * error, 0.05 * expected) << "case " << k << ": too noisy to decide";
+    }
+}
+
+TEST(ReplicaLanes, MixtureCountsWhatTheLanesTake) {
+    ReplicaSettings s;
+    s.lanes = 7;
+    s.contribution = false;
+    const ReplicaLanes<ToyValue> lanes(s);
+    const ReplicaMixture chains = lanes.mixture(100), uniform = lanes.mixture(100, false);
+    EXPECT_EQ(chains.uniform, 56);  // 50, rounded up to a multiple of 7
+    EXPECT_EQ(chains.visibility, 56);
+    EXPECT_EQ(chains.contribution, 0);
+    EXPECT_EQ(uniform.uniform, 105);
+    EXPECT_EQ(uniform.samples(), 105);
+}
+
+}  // namespace
+}  // namespace metrolux

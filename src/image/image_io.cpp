@@ -87,8 +87,8 @@ void setMetadata(OIIO::ImageSpec& spec, const Metadata& metadata) {
     }
 }
 
-void writeThrough(const fs::path& file, const char* format, const OIIO::ImageSpec& spec, OIIO::TypeDesc type,
-                  const void* pixels) {
+void writeThrough(const fs::path& file, const char* format, const OIIO::ImageSpec& spec,
+                  const OIIO::TypeDesc& type, const void* pixels) {
     AtomicFile target(file);
     auto output = OIIO::ImageOutput::create(format);
     if (!output) throw Error("cannot write '{}': {}", file.string(), OIIO::geterror());

@@ -34,8 +34,9 @@ struct EyeChains::Model {
         const double along = (position - std::floor(position)) * double(order.size());
         const uint32_t pixel = order[std::min(static_cast<size_t>(along), order.size() - 1)];
         const FilmWindow& w = film.window();
-        const double x = (pixel % w.width + rng.nextDouble()) / w.width;
-        const double y = (pixel / w.width + rng.nextDouble()) / w.height;
+        const uint32_t column = pixel % w.width, row = pixel / w.width;
+        const double x = (column + rng.nextDouble()) / w.width;
+        const double y = (row + rng.nextDouble()) / w.height;
         u.push_back(std::min(static_cast<float>(x), kOneMinusEpsilon));
         u.push_back(std::min(static_cast<float>(y), kOneMinusEpsilon));
     }

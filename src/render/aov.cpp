@@ -25,10 +25,9 @@ PixelAovs samplePixel(const Scene& scene, int x, int y) {
     int hits = 0;
     for (int i = 0; i < kAovSamples; ++i) {
         const Vec2f jitter = rng.next2D();
-        const float column = static_cast<float>(i % kStrataPerAxis),
-                    row = static_cast<float>(i / kStrataPerAxis);
-        const Vec2f raster(static_cast<float>(x) + (column + jitter.x) / kStrataPerAxis,
-                           static_cast<float>(y) + (row + jitter.y) / kStrataPerAxis);
+        const int column = i % kStrataPerAxis, row = i / kStrataPerAxis;
+        const Vec2f raster(static_cast<float>(x) + (static_cast<float>(column) + jitter.x) / kStrataPerAxis,
+                           static_cast<float>(y) + (static_cast<float>(row) + jitter.y) / kStrataPerAxis);
         const auto ray = scene.camera().sampleRay(rng.next2D(), raster);
         SurfaceInteraction si;
         if (!ray || !scene.intersect({ray->origin, ray->direction}, si)) continue;

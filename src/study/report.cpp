@@ -135,6 +135,7 @@ Json referenceJson(const Reference& reference) {
 
 Json planJson(const Plan& plan) {
     std::vector<uint64_t> seeds;
+    seeds.reserve(static_cast<size_t>(plan.seeds));
     for (int k = 0; k < plan.seeds; ++k) seeds.push_back(plan.firstSeed + static_cast<uint64_t>(k));
     return {{"limit", plan.seconds > 0 ? "seconds" : "passes"},
             {"seconds", plan.seconds > 0 ? Json(plan.seconds) : Json()},

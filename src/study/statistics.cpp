@@ -31,6 +31,7 @@ Moments momentsOf(const std::vector<double>& values) {
 
 std::vector<double> logarithms(const std::vector<double>& values) {
     std::vector<double> result;
+    result.reserve(values.size());
     for (double v : values) result.push_back(std::log(v));
     return result;
 }

@@ -206,6 +206,7 @@ Summary summarize(const Contribution& contribution, const Plan& plan) {
         summary.rates[i] = convergenceRate(summary.fits[i]);
     }
     std::vector<double> sizes;
+    sizes.reserve(runs.size());
     for (const auto& run : runs) sizes.push_back(std::abs(run.back().values[indexOf(Metric::Bias)]));
     summary.finalAbsoluteBias = meanInterval(sizes);
     return summary;

@@ -4,9 +4,6 @@ namespace metrolux {
 
 namespace {
 
-/// Visible uniform samples that b_V is to rest on before chains take part.
-constexpr double kVisibleSamples = 256;
-
 uint32_t pixelAt(const FilmWindow& w, const Vec2f& u) {
     const int x = std::min(static_cast<int>(u.x * static_cast<float>(w.width)), w.width - 1);
     const int y = std::min(static_cast<int>(u.y * static_cast<float>(w.height)), w.height - 1);

@@ -4,6 +4,8 @@
 #include "sampling/streams.h"
 #include "transport/subpath.h"
 
+#include <nlohmann/json.hpp>
+
 namespace metrolux {
 
 PixelPartition::PixelPartition(const FilmWindow& window, const IntegratorOptions& options) {
@@ -92,6 +94,40 @@ void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t p
             if (sizes) (*sizes)[i] = splats.size();
         }
     });
+}
+
+int laneCount(const IntegratorOptions& options, size_t steps) {
+    constexpr size_t kStepsPerLane = 1024, kFewest = 8, kMost = 64;
+    if (options.lanes > 0) return options.lanes;
+    return static_cast<int>(std::clamp(steps / kStepsPerLane, kFewest, kMost));
+}
+
+IteratedIntegrator::IteratedIntegrator(const Scene& scene, const IntegratorOptions& options, double radius)
+    : scene_(scene),
+      options_(options),
+      partition_(scene.camera().window(), options),
+      radius_(radius, options.radiusAlpha) {}
+
+void IteratedIntegrator::weighByPhotons() {
+    if (options_.correlationAware) photons_ = std::make_unique<PhotonDensity>(kPhotonCell * radius_.radius());
+}
+
+void IteratedIntegrator::renderPass(Film& film) {
+    size_t first = 0;
+    for (int part = 0; part < partition_.parts(); ++part) {
+        iterate(film, partition_.pixels(part), first);
+        first += partition_.pixels(part).size();
+    }
+    film.endPass();
+    radius_.advance();
+}
+
+nlohmann::json IteratedIntegrator::iterationStatistics() const {
+    nlohmann::json j{{"parts", partition_.parts()},
+                     {"bytes_per_vertex", sizeof(Vertex)},
+                     {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes()}};
+    if (radius_.radius() > 0) j["radius"] = radius_.radius();
+    return j;
 }
 
 }  // namespace metrolux

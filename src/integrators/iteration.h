@@ -6,6 +6,9 @@
 #include "transport/eye_pass.h"
 #include "transport/light_pass.h"
 
+#include <nlohmann/json_fwd.hpp>
+
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -54,6 +57,10 @@ void directPass(const Scene& scene, const PathLimits& limits, uint64_t seed, std
 /// sees none.
 double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options);
 
+/// Number of independent lanes of chains that together take `steps` steps: long chains, and enough of them
+/// for many threads. Depends on the image only, or is what the options say.
+int laneCount(const IntegratorOptions& options, size_t steps);
+
 /// Traces `count` independent light subpaths (indices `first` ...) and adds them to the film, averaged over
 /// `count`; film splats are scaled by `filmShare` besides (the part of the pass that this iteration stands
 /// for). `sizes`, if given, receives F of each light subpath; their vertices are `counted`.
@@ -63,5 +70,31 @@ void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t p
 
 /// Key of the stream of light subpath `index` of a plain pass.
 uint64_t lightSubpathKey(uint64_t seed, uint32_t passIndex, size_t index);
+
+/// An integrator that stores eye vertices: a pass is made of iterations that fit the memory bound, and the
+/// merging radius shrinks after each pass.
+class IteratedIntegrator : public Integrator {
+  public:
+    void renderPass(Film& film) final;
+
+  protected:
+    /// `radius`: first merging radius; 0 without merging.
+    IteratedIntegrator(const Scene& scene, const IntegratorOptions& options, double radius);
+    /// Sets up photons_ if the options ask for it.
+    void weighByPhotons();
+
+    /// Adds what `pixels` and as many light subpaths, from index `first` of the pass, stand for.
+    virtual void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) = 0;
+    /// What statistics() says of all of them.
+    nlohmann::json iterationStatistics() const;
+
+    const Scene& scene_;
+    IntegratorOptions options_;
+    PixelPartition partition_;
+    RadiusSchedule radius_;
+    std::unique_ptr<PhotonDensity> photons_;  ///< of Strategies; null: merges are weighted as independent
+    EyeVertices eyes_;
+    VertexGrid grid_;
+};
 
 }  // namespace metrolux

@@ -8,17 +8,6 @@ namespace metrolux {
 
 namespace {
 
-/// Visible uniform samples that b_V is to rest on.
-constexpr double kVisibleSamples = 256;
-
-/// Chains that take some thousand steps from their start in each iteration, and enough of them for many
-/// threads. Depends on the image only.
-int laneCount(const IntegratorOptions& options, size_t samples) {
-    constexpr int kStepsPerIteration = 1024, kFewest = 8, kMost = 64;
-    if (options.lanes > 0) return options.lanes;
-    return std::clamp(static_cast<int>(samples) / (3 * kStepsPerIteration), kFewest, kMost);
-}
-
 /// A light pass as the model of ReplicaLanes.
 struct LightModel {
     const LightPass& pass;
@@ -56,7 +45,7 @@ ReplicaSettings replicaSettings(const IntegratorOptions& options, const std::str
     s.seed = options.seed;
     s.kernel = options.kernel.value_or(kernel);
     s.inefficiency = options.chainInefficiency;
-    s.lanes = laneCount(options, samples);
+    s.lanes = laneCount(options, samples / 3);  // of each replica
     s.uniform = has('u');
     s.visibility = has('v');
     s.contribution = has('f');

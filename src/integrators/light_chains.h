@@ -8,6 +8,9 @@
 
 namespace metrolux {
 
+/// Visible uniform samples that b_V is to rest on before chains take part.
+inline constexpr double kVisibleSamples = 256;
+
 /// What the primary sample of a light subpath evaluates to.
 struct LightContribution {
     SplatList splats;

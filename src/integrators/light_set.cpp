@@ -24,9 +24,7 @@ void append(std::vector<Vertex>& to, const std::vector<Vertex>& from, double wei
 
 VisibilityLightSet::VisibilityLightSet(const IntegratorOptions& options, size_t samples)
     : rng_(hashKey(options.seed, StreamPurpose::Seeding, 'L')), inefficiency_(options.chainInefficiency) {
-    constexpr size_t kStepsPerIteration = 1024, kFewest = 8, kMost = 64;
-    const size_t lanes = options.lanes > 0 ? static_cast<size_t>(options.lanes)
-                                           : std::clamp(samples / kStepsPerIteration, kFewest, kMost);
+    const auto lanes = static_cast<size_t>(laneCount(options, samples));
     const auto kind = options.kernel.value_or(MutationKernel::Kind::Kelemen);
     for (size_t i = 0; i < lanes; ++i)
         lanes_.emplace_back(hashKey(options.seed, StreamPurpose::Chain, 'L', i), kind);
@@ -51,9 +49,9 @@ size_t VisibilityLightSet::stepsOf(size_t lane) const {
 void VisibilityLightSet::evaluate(const LightTracing& tracing, const VertexGrid& eyeGrid, SampleStream& u,
                                   Value& value) {
     value.vertices.clear();
-    value.visible = false;
     tracing.trace(u, value.vertices);
-    for (const Vertex& v : value.vertices) eyeGrid.query(v.si.p, [&](uint32_t) { value.visible = true; });
+    value.visible = std::any_of(value.vertices.begin(), value.vertices.end(),
+                                [&](const Vertex& v) { return eyeGrid.anyWithin(v.si.p); });
 }
 
 void VisibilityLightSet::payOut(State& state, std::vector<Vertex>& result) {

@@ -1,6 +1,7 @@
 #include "integrators/path_chains.h"
 
 #include "base/error.h"
+#include "integrators/iteration.h"
 #include "sampling/streams.h"
 
 #include <fmt/format.h>
@@ -15,13 +16,9 @@ double share(uint64_t a, uint64_t b) { return b ? double(a) / double(b) : 0.0; }
 MetropolisOptions pathSamplerOptions(const IntegratorOptions& options, size_t stepsPerPass, uint64_t name) {
     if (!(options.largeStep >= 0 && options.largeStep <= 1))
         throw Error("large-step probability: found {}, expected a number from 0 to 1", options.largeStep);
-    // Few chains are long ones; enough of them for many threads.
-    constexpr size_t kStepsPerPass = 1024, kFewest = 8, kMost = 64;
     MetropolisOptions result;
     result.key = hashKey(options.seed, StreamPurpose::Chain, name);
-    result.lanes = options.lanes > 0
-                       ? options.lanes
-                       : static_cast<int>(std::clamp(stepsPerPass / kStepsPerPass, kFewest, kMost));
+    result.lanes = laneCount(options, stepsPerPass);
     result.kind = options.kernel.value_or(MutationKernel::Kind::Kelemen);
     result.largeStep = options.largeStep;
     // A few passes' worth: what is found before the first pass should not take much longer than it.

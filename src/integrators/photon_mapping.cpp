@@ -10,41 +10,25 @@ namespace {
 
 /// Each path has one vertex, the first from the camera that scatters it by a smooth lobe, where a photon can
 /// make it, or none, and then hit makes it: the techniques share no path, so that all weights are one.
-class PhotonMappingIntegrator final : public Integrator {
+class PhotonMappingIntegrator final : public IteratedIntegrator {
   public:
     PhotonMappingIntegrator(const Scene& scene, const IntegratorOptions& options, bool chains)
-        : scene_(scene),
-          options_(options),
-          partition_(scene.camera().window(), options),
-          radius_(projectedPixelRadius(scene, options), options.radiusAlpha) {
+        : IteratedIntegrator(scene, options, projectedPixelRadius(scene, options)) {
         if (chains)
             chains_.emplace(
                 replicaSettings(options, "uv", MutationKernel::Kind::Adaptive, partition_.pixels(0).size()),
                 options.limits);
     }
 
-    void renderPass(Film& film) override {
-        size_t first = 0;
-        for (int part = 0; part < partition_.parts(); ++part) {
-            iterate(film, partition_.pixels(part), first);
-            first += partition_.pixels(part).size();
-        }
-        film.endPass();
-        radius_.advance();
-    }
-
     nlohmann::json statistics() const override {
         nlohmann::json j = chains_ ? chains_->statistics() : nlohmann::json::object();
-        j.update({{"radius", radius_.radius()},
-                  {"parts", partition_.parts()},
-                  {"bytes_per_vertex", sizeof(Vertex)},
-                  {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes()}});
+        j.update(iterationStatistics());
         return j;
     }
     std::string progressNote() const override { return chains_ ? chains_->progressNote() : std::string(); }
 
   private:
-    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) {
+    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size()), r = radius_.radius();
         // Hits over delta lobes have weight one with any counts; merges are not weighted.
         const Strategies strategies = Strategies::path();
@@ -64,13 +48,7 @@ class PhotonMappingIntegrator final : public Integrator {
         }
     }
 
-    const Scene& scene_;
-    IntegratorOptions options_;
-    PixelPartition partition_;
-    RadiusSchedule radius_;
-    std::optional<LightChains> chains_;
-    EyeVertices eyes_;
-    VertexGrid grid_;
+    std::optional<LightChains> chains_;  ///< vpt
 };
 
 }  // namespace

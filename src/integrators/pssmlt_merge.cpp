@@ -21,57 +21,43 @@ IntegratorOptions forTwoSets(IntegratorOptions options) {
     return options;
 }
 
-class PssmltMergeIntegrator final : public Integrator {
+class PssmltMergeIntegrator final : public IteratedIntegrator {
   public:
     PssmltMergeIntegrator(const Scene& scene, const IntegratorOptions& options)
-        : scene_(scene),
-          options_(options),
-          partition_(scene.camera().window(), forTwoSets(options)),
-          radius_(projectedPixelRadius(scene, options), options.radiusAlpha),
+        : IteratedIntegrator(scene, forTwoSets(options), projectedPixelRadius(scene, options)),
           sampler_(pathSamplerOptions(options, partition_.pixels(0).size(), 0)),
           byVisibility_(options, partition_.pixels(0).size()) {
         if (options.mergeMethod != 'A' && options.mergeMethod != 'B')
             throw Error("method: found '{}', expected A or B", options.mergeMethod);
         if (options.mergeMethod == 'A')
             byStates_.emplace(options, kPhotonCell * radius_.radius(), sampler_.lanes());
-        if (options.correlationAware) photons_.emplace(kPhotonCell * radius_.radius());
-    }
-
-    void renderPass(Film& film) override {
-        size_t first = 0;
-        for (int part = 0; part < partition_.parts(); ++part) {
-            iterate(film, partition_.pixels(part), first);
-            first += partition_.pixels(part).size();
-        }
-        film.endPass();
-        radius_.advance();
+        weighByPhotons();
     }
 
     nlohmann::json statistics() const override {
         nlohmann::json j = chainStatistics(options_);
         j.update(samplerStatistics(sampler_));
         j["method"] = std::string(1, options_.mergeMethod);
-        j["radius"] = radius_.radius();
-        j["parts"] = partition_.parts();
-        j["stored_bytes"] = eyes_.memoryBytes() + eyeGrid_.memoryBytes() + map_.memoryBytes();
+        j.update(iterationStatistics());
+        j["stored_bytes"] = j["stored_bytes"].get<size_t>() + map_.memoryBytes();
         if (!byStates_) j["light_subpaths"] = byVisibility_.statistics();
         return j;
     }
     std::string progressNote() const override { return acceptanceNote(sampler_.counts()); }
 
   private:
-    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) {
+    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
         const size_t n = pixels.size(), fresh = static_cast<size_t>(kFreshShare * double(n));
         const double r = radius_.radius();
         if (!byStates_) byVisibility_.begin(n, r);
         const double lightSubpaths =
             byStates_ ? byStates_->effectiveSamples(n) : byVisibility_.effectiveSamples();
-        const Strategies strategies = Strategies::bidirectional(1, lightSubpaths * std::numbers::pi * r * r,
-                                                                photons_ ? &*photons_ : nullptr);
+        const Strategies strategies =
+            Strategies::bidirectional(1, lightSubpaths * std::numbers::pi * r * r, photons_.get());
         tracePixels(film, pixels, strategies);
-        const LightTracing tracing{scene_, options_.limits, strategies, photons_ ? &*photons_ : nullptr};
+        const LightTracing tracing{scene_, options_.limits, strategies, photons_.get()};
         map_.build(byStates_ ? byStates_->make(tracing, n, film.passes(), first)
-                             : byVisibility_.make(tracing, eyeGrid_),
+                             : byVisibility_.make(tracing, grid_),
                    static_cast<float>(r));
 
         const PathPair pair{scene_, options_.limits, strategies, film, &map_};
@@ -88,19 +74,12 @@ class PssmltMergeIntegrator final : public Integrator {
         EyePass pass{scene_, options_.limits, strategies, options_.seed, film.passes()};
         pass.nextEvent = pass.hit = false;
         pass.run(pixels, film, eyes_);
-        eyeGrid_.build(eyes_.all(), static_cast<float>(radius_.radius()));
+        grid_.build(eyes_.all(), static_cast<float>(radius_.radius()));
     }
 
-    const Scene& scene_;
-    IntegratorOptions options_;
-    PixelPartition partition_;
-    RadiusSchedule radius_;
     PathSampler sampler_;
     VisibilityLightSet byVisibility_;        ///< method B
     std::optional<StateLightSet> byStates_;  ///< method A
-    std::optional<PhotonDensity> photons_;
-    EyeVertices eyes_;
-    VertexGrid eyeGrid_;
     PhotonMap map_;
 };
 

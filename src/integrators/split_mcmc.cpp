@@ -2,44 +2,26 @@
 
 #include "integrators/eye_chains.h"
 
-#include <memory>
-
 namespace metrolux {
 
 namespace {
 
-class SplitMcmcIntegrator final : public Integrator {
+class SplitMcmcIntegrator final : public IteratedIntegrator {
   public:
     SplitMcmcIntegrator(const Scene& scene, const IntegratorOptions& options)
-        : scene_(scene),
-          options_(options),
-          partition_(scene.camera().window(), options),
-          radius_(projectedPixelRadius(scene, options), options.radiusAlpha),
+        : IteratedIntegrator(scene, options, projectedPixelRadius(scene, options)),
           light_(settings(), options.limits),
           eye_(settings(), scene.camera().window()) {
         light_.keepTrails = true;
-        if (options.correlationAware)
-            photons_ = std::make_unique<PhotonDensity>(kPhotonCell * radius_.radius());
-    }
-
-    void renderPass(Film& film) override {
-        size_t first = 0;
-        for (int part = 0; part < partition_.parts(); ++part) {
-            iterate(film, partition_.pixels(part), first);
-            first += partition_.pixels(part).size();
-        }
-        film.endPass();
-        radius_.advance();
+        weighByPhotons();
     }
 
     nlohmann::json statistics() const override {
         nlohmann::json j = light_.statistics();
-        j.update({{"eye_chains", eye_.statistics()},
-                  {"light_vertices", lightVertices_.size()},
-                  {"radius", radius_.radius()},
-                  {"parts", partition_.parts()},
-                  {"bytes_per_vertex", sizeof(Vertex)},
-                  {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes() + oldGrid_.memoryBytes()}});
+        j.update(iterationStatistics());
+        j["stored_bytes"] = j["stored_bytes"].get<size_t>() + oldGrid_.memoryBytes();
+        j["eye_chains"] = eye_.statistics();
+        j["light_vertices"] = lightVertices_.size();
         return j;
     }
     std::string progressNote() const override { return light_.progressNote(); }
@@ -57,7 +39,7 @@ class SplitMcmcIntegrator final : public Integrator {
                                          eyeSamples * std::numbers::pi * r * r, photons_.get(), 1 / eyeBoost);
     }
 
-    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) {
+    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size());
         const float r = static_cast<float>(radius_.radius());
         const LightChains::Iteration iteration{film.passes(), first, pixels.size(), n / film.pixelCount()};
@@ -79,16 +61,10 @@ class SplitMcmcIntegrator final : public Integrator {
         lightVertices_ = light_.trails();
     }
 
-    const Scene& scene_;
-    IntegratorOptions options_;
-    PixelPartition partition_;
-    RadiusSchedule radius_;
     LightChains light_;
     EyeChains eye_;
-    std::vector<Vec3f> lightVertices_;        ///< of the last iteration
-    std::unique_ptr<PhotonDensity> photons_;  ///< null: not options.correlationAware
-    EyeVertices eyes_;
-    VertexGrid grid_, oldGrid_;
+    std::vector<Vec3f> lightVertices_;  ///< of the last iteration
+    VertexGrid oldGrid_;                ///< over them
 };
 
 }  // namespace

@@ -153,6 +153,29 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->option_text("G")
         ->check(CLI::Range(1.0, 1e6))
         ->group(group);
+    app.add_option("--split", a.split,
+                   "mcmc_vcm, vpt, split_mcmc: parts of the replicas u/v/f in the samples (default: 1/1/1)")
+        ->option_text("U/V/F")
+        ->group(group);
+    app.add_option(
+           "--target", a.target,
+           "mcmc_vcm: what chains of f look for: `luminance` (default), or `relative` to what the\nimage "
+           "shows there so far")
+        ->option_text("NAME")
+        ->check(CLI::IsMember({"luminance", "relative"}))
+        ->group(group);
+    app.add_option(
+           "--normalisation", a.normalisation,
+           "mcmc_vcm: of f, from independent and visibility samples (`pooled`, default) or from all\nby "
+           "`bennett`'s ratio; changes noise, not brightness")
+        ->option_text("NAME")
+        ->check(CLI::IsMember({"pooled", "bennett"}))
+        ->group(group);
+    app.add_option("--theta", a.theta,
+                   "mcmc_vcm, vpt, split_mcmc: adaptive kernel steered for each `lane` (default) or `pooled`")
+        ->option_text("NAME")
+        ->check(CLI::IsMember({"lane", "pooled"}))
+        ->group(group);
     app.add_flag(
            "!--no-correlation-aware", integrator.correlationAware,
            "vcm, mcmc_vcm, split_mcmc: weigh merges that share an eye vertex as if they were independent")
@@ -187,6 +210,18 @@ void checkReplicas(const std::string& replicas) {
         throw Error("--replicas {}: expected some of the letters u, v and f", replicas);
 }
 
+std::array<double, 3> parseSplit(const std::string& text) {
+    std::array<double, 3> parts{};
+    std::istringstream in(text);
+    char slash1 = 0, slash2 = 0;
+    in >> parts[0] >> slash1 >> parts[1] >> slash2 >> parts[2];
+    const bool positive = std::all_of(parts.begin(), parts.end(), [](double p) { return p > 0 && p <= 1e6; });
+    if (!in || slash1 != '/' || slash2 != '/' || in.peek() != EOF || !positive)
+        throw Error("--split {}: expected three numbers above 0, such as 1/1/2 (--replicas leaves one out)",
+                    text);
+    return parts;
+}
+
 void checkIntegratorName(const std::string& name) {
     if (name == "scene") return;
     std::vector<std::string> names;
@@ -207,6 +242,10 @@ void prepareAlgorithm(RenderArguments& a) {
         options.kernel =
             a.kernel == "adaptive" ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
     options.mergeMethod = a.method.front();
+    if (!a.split.empty()) options.split = parseSplit(a.split);
+    if (a.target == "relative") options.target = ChainTarget::Relative;
+    if (a.normalisation == "bennett") options.normalisation = NormalisationMethod::Bennett;
+    options.pooledTheta = a.theta == "pooled";
     checkIntegratorName(a.session.integrator);
 }
 

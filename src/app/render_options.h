@@ -11,7 +11,9 @@
 namespace metrolux::app {
 
 struct RenderArguments {
-    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel, method = "B";
+    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel, method = "B",
+                                                       split, target = "luminance", normalisation = "pooled",
+                                                       theta = "lane";
     std::vector<std::string> outputs, defines, aovs;
     SessionOptions session;
     int threads = 0;

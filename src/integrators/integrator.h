@@ -1,16 +1,24 @@
 #pragma once
 #include "image/film.h"
 #include "markov/mutation.h"
+#include "markov/normalisation.h"
 #include "scene/scene.h"
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace metrolux {
+
+/// Target F of the contribution replica.
+enum class ChainTarget {
+    Luminance,  ///< what a light subpath adds to the image
+    Relative    ///< the same over what the image shows there (PixelImportance)
+};
 
 /// Everything that changes what an integrator computes. Same options, scene and pass count: the same bits.
 struct IntegratorOptions {
@@ -24,9 +32,13 @@ struct IntegratorOptions {
     /// mcmc_vcm: statistical inefficiency g of the chains; a step counts as 1/g sample in all weights. Any
     /// value is unbiased.
     double chainInefficiency = 4;
-    bool correlationAware = true;  ///< vcm, mcmc_vcm: Strategies::mergeShare()
-    char mergeMethod = 'B';        ///< pssmlt_merge: method of the supplement's 4.1.1, 'B' or 'A'
-    int lanes = 0;                 ///< chains: number of independent lanes; 0: default
+    bool correlationAware = true;          ///< vcm, mcmc_vcm: Strategies::mergeShare()
+    char mergeMethod = 'B';                ///< pssmlt_merge: method of the supplement's 4.1.1, 'B' or 'A'
+    int lanes = 0;                         ///< chains: number of independent lanes; 0: default
+    std::array<double, 3> split{1, 1, 1};  ///< mcmc_vcm, vpt, split_mcmc: n_U : n_V : n_F
+    ChainTarget target = ChainTarget::Luminance;                      ///< mcmc_vcm
+    NormalisationMethod normalisation = NormalisationMethod::Pooled;  ///< mcmc_vcm: of F
+    bool pooledTheta = false;  ///< mcmc_vcm, vpt, split_mcmc: lanes share the adaptive kernel's theta
     /// mcmc_vcm, vpt, split_mcmc: which replicas take part (study of each alone); absent: all of the
     /// integrator's.
     std::optional<std::string> replicas;

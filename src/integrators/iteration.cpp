@@ -91,7 +91,7 @@ void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t p
             pass.evaluate(stream, splats, counted);
             if (splats.empty()) continue;
             film.addSplats(splats, scale, scale * filmShare);
-            if (sizes) (*sizes)[i] = splats.size();
+            if (sizes) (*sizes)[i] = pass.size(splats);
         }
     });
 }

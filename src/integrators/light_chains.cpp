@@ -20,7 +20,7 @@ struct LightModel {
     void evaluateUniform(SampleStream& u, LightContribution& c) const { evaluate(u, c, photons); }
     void evaluate(SampleStream& u, LightContribution& c, PhotonDensity* counted = nullptr) const {
         pass.evaluate(u, c.splats, counted, trails ? &c.trail : nullptr);
-        c.size = c.splats.size();
+        c.size = pass.size(c.splats);
     }
     void pay(size_t lane, const LightContribution& c, double weight) const {
         film.addSplats(c.splats, weight, weight * filmShare);
@@ -49,6 +49,9 @@ ReplicaSettings replicaSettings(const IntegratorOptions& options, const std::str
     s.uniform = has('u');
     s.visibility = has('v');
     s.contribution = has('f');
+    s.split = options.split;
+    s.normalisation = options.normalisation;
+    s.pooledTheta = options.pooledTheta;
     return s;
 }
 

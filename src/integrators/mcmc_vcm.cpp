@@ -30,11 +30,17 @@ class McmcVcmIntegrator final : public IteratedIntegrator {
                                                                 n * std::numbers::pi * r * r, photons_.get());
         EyePass{scene_, options_.limits, strategies, options_.seed, film.passes()}.run(pixels, film, eyes_);
         grid_.build(eyes_.all(), static_cast<float>(r));
-        chains_.run({scene_, options_.limits, strategies, eyes_, grid_, film}, film,
-                    {film.passes(), first, pixels.size(), n / film.pixelCount()}, photons_.get());
+        LightPass light{scene_, options_.limits, strategies, eyes_, grid_, film};
+        if (options_.target == ChainTarget::Relative) {
+            if (first == 0) importance_.update(film);
+            light.importance = &importance_;
+        }
+        chains_.run(light, film, {film.passes(), first, pixels.size(), n / film.pixelCount()},
+                    photons_.get());
     }
 
     LightChains chains_;
+    PixelImportance importance_;
 };
 
 }  // namespace

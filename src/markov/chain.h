@@ -37,6 +37,7 @@ class MarkovChain {
     MarkovState<Value>& state() { return state_; }
     const MarkovState<Value>& state() const { return state_; }
     const MutationKernel& kernel() const { return kernel_; }
+    MutationKernel& kernel() { return kernel_; }
     double target(const Value& value) const { return target_(value); }
 
     /// Evaluates a mutation of the current state into `proposal` (whose weight is reset) and returns the

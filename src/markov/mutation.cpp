@@ -25,6 +25,12 @@ void MutationKernel::mutate(const PrimarySample& from, PrimarySample& to, Counte
     }
 }
 
+void MutationKernel::shareTheta(const std::vector<MutationKernel*>& kernels) {
+    double sum = 0;
+    for (const MutationKernel* k : kernels) sum += k->theta_;
+    for (MutationKernel* k : kernels) k->theta_ = sum / double(kernels.size());
+}
+
 void MutationKernel::adapt(bool accepted) {
     ++tried_;
     accepted_ += accepted;

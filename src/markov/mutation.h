@@ -2,6 +2,8 @@
 #include "base/rng.h"
 #include "markov/primary_sample.h"
 
+#include <vector>
+
 namespace metrolux {
 
 /// Symmetric mutation of every coordinate, with wrap-around.
@@ -23,6 +25,9 @@ class MutationKernel {
     void mutate(const PrimarySample& from, PrimarySample& to, CounterRng& rng) const;
     /// Eq. 5, after each decision.
     void adapt(bool accepted);
+
+    /// Gives all of them the mean theta.
+    static void shareTheta(const std::vector<MutationKernel*>& kernels);
 
     double theta() const { return theta_; }
     uint64_t tried() const { return tried_; }

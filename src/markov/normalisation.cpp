@@ -8,6 +8,57 @@
 
 namespace metrolux {
 
+namespace {
+
+constexpr double kBinsOfAnOctave = 8;
+constexpr int kOctaves = 64;  ///< on either side of 1
+
+}  // namespace
+
+void SizeHistogram::add(double size, double count) {
+    constexpr int kBins = int(2 * kOctaves * kBinsOfAnOctave);
+    if (counts_.empty()) counts_.resize(kBins);
+    const double bin = std::floor((std::log2(size) + kOctaves) * kBinsOfAnOctave);
+    counts_[static_cast<size_t>(std::clamp(bin, 0.0, double(kBins - 1)))] += count;
+}
+
+double SizeHistogram::sizeOf(size_t bin) {
+    return std::exp2((double(bin) + 0.5) / kBinsOfAnOctave - kOctaves);
+}
+
+SizeHistogram& SizeHistogram::operator+=(const SizeHistogram& other) {
+    if (counts_.size() < other.counts_.size()) counts_.resize(other.counts_.size());
+    for (size_t i = 0; i < other.counts_.size(); ++i) counts_[i] += other.counts_[i];
+    return *this;
+}
+
+void SizeHistogram::scale(double factor) {
+    for (double& c : counts_) c *= factor;
+}
+
+double bennettMean(const SizeHistogram& ofV, const SizeHistogram& ofF) {
+    double nV = 0, nF = 0, mean = 0;
+    ofV.forEach([&](double size, double count) {
+        nV += count;
+        mean += count * size;
+    });
+    if (!(nV > 0)) return 0;
+    mean /= nV;
+    ofF.forEach([&](double, double count) { nF += count; });
+    SizeHistogram all = ofV;
+    all += ofF;
+    constexpr int kMostRounds = 1000;
+    constexpr double kTolerance = 1e-7;
+    for (int round = 0; round < kMostRounds; ++round) {
+        double next = 0;
+        all.forEach([&](double size, double count) { next += count * size / (nV + nF * size / mean); });
+        const bool done = std::abs(next - mean) <= kTolerance * mean;
+        mean = next;
+        if (done) break;
+    }
+    return mean;
+}
+
 Normalisation::Counts& Normalisation::Counts::operator+=(const Counts& other) {
     uniform += other.uniform;
     uniformVisible += other.uniformVisible;
@@ -19,9 +70,14 @@ Normalisation::Counts& Normalisation::Counts::operator+=(const Counts& other) {
 void Normalisation::add(int lane, const Samples& s) {
     current_.groups[lane % kGroups] += {s.uniform_, s.uniformVisible_, s.uniformVisible_ + s.visibility_,
                                         s.uniformSize_ + s.visibilitySize_};
+    visibleSizes_ += s.visibleSizes_;
+    contributionSizes_ += s.contributionSizes_;
 }
 
 void Normalisation::endIteration(double squaredRadius) {
+    constexpr double kRecent = 0.9;  // F changes with the radius
+    visibleSizes_.scale(kRecent);
+    contributionSizes_.scale(kRecent);
     current_.index = ++iterations_;
     current_.iterations = 1;
     current_.logRadius = std::log(squaredRadius);
@@ -49,6 +105,8 @@ void Normalisation::endIteration(double squaredRadius) {
 void Normalisation::forgetSizes() {
     for (Record& r : records_)
         for (Counts& c : r.groups) c.visible = c.size = 0;
+    visibleSizes_.clear();
+    contributionSizes_.clear();
 }
 
 double Normalisation::visibleSamples() const {
@@ -83,6 +141,13 @@ Normalisation::Solution Normalisation::solve(int withoutGroup) const {
 void Normalisation::update(double squaredRadius) {
     logRadius_ = std::log(squaredRadius);
     value_ = solve(-1);
+    if (method_ == NormalisationMethod::Bennett) value_.contribution *= bennettFactor();
+}
+
+double Normalisation::bennettFactor() const {
+    const double bennett = bennettMean(visibleSizes_, contributionSizes_),
+                 plain = bennettMean(visibleSizes_, {});
+    return plain > 0 ? bennett / plain : 1;
 }
 
 Estimate Normalisation::jackknife(double Solution::*which) const {

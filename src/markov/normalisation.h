@@ -9,14 +9,48 @@ struct Estimate {
     double value = 0, standardError = 0;
 };
 
+/// How b_F is estimated.
+enum class NormalisationMethod {
+    Pooled,  ///< mean F of visible samples, of the uniform and the visibility replica
+    Bennett  ///< from the contribution replica's samples too: bennettMean()
+};
+
+/// Counts of sizes F in bins of an eighth of an octave.
+class SizeHistogram {
+  public:
+    void add(double size, double count = 1);
+    SizeHistogram& operator+=(const SizeHistogram& other);
+    void scale(double factor);
+    void clear() { counts_.clear(); }
+    /// Calls visit(size, count) for the bins in use, with the size in their middle.
+    template <class Visit>
+    void forEach(Visit&& visit) const {
+        for (size_t i = 0; i < counts_.size(); ++i)
+            if (counts_[i] > 0) visit(sizeOf(i), counts_[i]);
+    }
+
+  private:
+    static double sizeOf(size_t bin);
+    std::vector<double> counts_;
+};
+
+/// Mean of F under a density v, from samples of v and of a chain with a density in proportion to v F: the
+/// fixed point of
+///     m = sum over all samples of F / (n_v + n_F F / m),
+/// the acceptance ratio method of [Bennett 1976] for two states (multistate form: Shirts & Chodera 2008, eq.
+/// 11). Weights and densities depend on F only, so that histograms of F are sufficient. 0 without samples of
+/// v.
+double bennettMean(const SizeHistogram& ofV, const SizeHistogram& ofF);
+
 /// Normalisations b_V and b_F of the replicas' targets (ALGORITHM.md section 3), as functions of the merging
 /// radius.
 ///
 ///     b_V = share of the visible among the uniform samples,   b_F = b_V * mean of F over visible samples,
 ///
 /// the latter over the visible uniform samples and those of the visibility chains, which follow the same
-/// distribution. Inverse-variance weighting of the two classic estimators of b_F was tried: for heavy-tailed
-/// F the smaller mean comes with the smaller variance, and b_F was several percent low.
+/// distribution (or as NormalisationMethod says). Inverse-variance weighting of the two classic estimators of
+/// b_F was tried: for heavy-tailed F the smaller mean comes with the smaller variance, and b_F was several
+/// percent low.
 ///
 /// The targets change with the radius: where light is found by merging alone, V shrinks as r^2. A mean over
 /// the past would lag behind (33 % for r^2 ~ i^-1/4), one over a short window is noisy. Both quantities are
@@ -32,18 +66,38 @@ class Normalisation {
             if (!(size > 0)) return;
             ++uniformVisible_;
             uniformSize_ += size;
+            if (histograms_) visibleSizes_.add(size);
         }
         /// A state of the visibility chain, visible.
         void addVisibility(double size) {
             ++visibility_;
             visibilitySize_ += size;
+            if (histograms_) visibleSizes_.add(size);
         }
-        void clear() { *this = {}; }
+        /// A state of the contribution chain.
+        void addContribution(double size) {
+            if (histograms_ && size > 0) contributionSizes_.add(size);
+        }
+        void clear() {
+            uniform_ = uniformVisible_ = uniformSize_ = visibility_ = visibilitySize_ = 0;
+            visibleSizes_.clear();
+            contributionSizes_.clear();
+        }
 
       private:
         friend class Normalisation;
         double uniform_ = 0, uniformVisible_ = 0, uniformSize_ = 0, visibility_ = 0, visibilitySize_ = 0;
+        bool histograms_ = false;
+        SizeHistogram visibleSizes_, contributionSizes_;
     };
+
+    explicit Normalisation(NormalisationMethod method = NormalisationMethod::Pooled) : method_(method) {}
+    /// Of a lane, to be filled and given to add().
+    Samples newSamples() const {
+        Samples s;
+        s.histograms_ = method_ == NormalisationMethod::Bennett;
+        return s;
+    }
 
     /// Adds a lane's samples to the iteration. Lanes must be added in a fixed order: sums do not depend on
     /// threads then.
@@ -82,8 +136,12 @@ class Normalisation {
         double visibility = 1, contribution = 1;
     };
     Solution solve(int withoutGroup) const;
+    /// Bennett's mean over the plain one, both of recent samples.
+    double bennettFactor() const;
     Estimate jackknife(double Solution::*which) const;
 
+    NormalisationMethod method_;
+    SizeHistogram visibleSizes_, contributionSizes_;  ///< of recent iterations
     std::vector<Record> records_;
     Record current_;
     double iterations_ = 0, logRadius_ = 0;

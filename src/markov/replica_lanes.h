@@ -9,6 +9,9 @@
 #include "markov/replica_mixture.h"
 #include "sampling/streams.h"
 
+#include <array>
+#include <cmath>
+
 namespace metrolux {
 
 struct ReplicaSettings {
@@ -17,7 +20,14 @@ struct ReplicaSettings {
     double inefficiency = 1;  ///< ReplicaMixture::inefficiency
     int lanes = 1;
     bool uniform = true, visibility = true, contribution = true;  ///< replicas that take part
-    int replicas() const { return uniform + visibility + contribution; }
+    /// n_U : n_V : n_F, positive; those of replicas that do not take part are ignored.
+    std::array<double, 3> split{1, 1, 1};
+    NormalisationMethod normalisation = NormalisationMethod::Pooled;
+    bool pooledTheta = false;  ///< lanes share theta of the adaptive kernel after each iteration
+    /// The same with 0 for those that do not take part.
+    std::array<double, 3> splitInUse() const {
+        return {uniform ? split[0] : 0, visibility ? split[1] : 0, contribution ? split[2] : 0};
+    }
 };
 
 /// What the lanes have done so far.
@@ -46,8 +56,12 @@ class ReplicaLanes {
   public:
     using State = MarkovState<Value>;
 
-    explicit ReplicaLanes(const ReplicaSettings& settings) : settings_(settings) {
-        for (int i = 0; i < settings.lanes; ++i) lanes_.emplace_back(settings.seed, i, settings.kernel);
+    explicit ReplicaLanes(const ReplicaSettings& settings)
+        : settings_(settings), normalisation_(settings.normalisation) {
+        for (int i = 0; i < settings.lanes; ++i) {
+            lanes_.emplace_back(settings.seed, i, settings.kernel);
+            lanes_.back().samples = normalisation_.newSamples();
+        }
     }
 
     const ReplicaSettings& settings() const { return settings_; }
@@ -55,19 +69,23 @@ class ReplicaLanes {
     Normalisation& normalisation() { return normalisation_; }
     const Normalisation& normalisation() const { return normalisation_; }
 
-    /// Counts and normalisations of an iteration of about so many samples; each lane takes steps of one
-    /// sample of every replica in use. Without `chains`: uniform samples alone.
+    /// Counts and normalisations of an iteration of about so many samples; each lane takes its part of every
+    /// replica in use. Without `chains`: uniform samples alone.
     ReplicaMixture mixture(size_t samples, bool chains = true) const {
         ReplicaMixture mix;
         mix.bVisibility = normalisation_.visibility();
         mix.bContribution = normalisation_.contribution();
         mix.inefficiency = settings_.inefficiency;
-        const int kinds = chains ? settings_.replicas() : 1;
-        const size_t n = lanes_.size();
-        const double perReplica = double(std::max<size_t>(1, (samples / kinds + n - 1) / n) * n);
-        mix.uniform = settings_.uniform || !chains ? perReplica : 0;
-        mix.visibility = settings_.visibility && chains ? perReplica : 0;
-        mix.contribution = settings_.contribution && chains ? perReplica : 0;
+        const std::array<double, 3> split = chains ? settings_.splitInUse() : std::array<double, 3>{1, 0, 0};
+        const auto count = [&](double part) {  // the same number in every lane
+            if (!(part > 0)) return 0.0;
+            const double lanes = double(lanes_.size()),
+                         n = std::floor(part * double(samples) / (split[0] + split[1] + split[2]));
+            return std::max(1.0, std::ceil(n / lanes)) * lanes;
+        };
+        mix.uniform = count(split[0]);
+        mix.visibility = count(split[1]);
+        mix.contribution = count(split[2]);
         return mix;
     }
 
@@ -89,18 +107,16 @@ class ReplicaLanes {
     /// All samples of an iteration; the scales of `mix` are set. `pass` and `first` name the iteration.
     template <class Model>
     void run(Model& model, ReplicaMixture& mix, uint32_t pass, size_t first) {
-        const size_t steps =
-            static_cast<size_t>(std::max({mix.uniform, mix.visibility, mix.contribution})) / lanes_.size();
         // Decided by what is expected, not by what is found: a choice by the samples themselves would bias
         // them.
         const bool pooled = mix.uniform * mix.bVisibility >= kSmallestPool;
         for (Lane& lane : lanes_) lane.early.clear();
-        const size_t earlySteps = pooled ? takeEarlySamples(model, mix, steps) : 0;
+        const size_t early = pooled ? takeEarlySamples(model, mix) : 0;
         if (pooled)
-            startChains(model, pass, first, double(earlySteps * lanes_.size()), mix);
+            startChains(model, pass, first, double(early * lanes_.size()), mix);
         else
             renewStates(model);
-        parallelFor(lanes_.size(), [&](size_t i) { runLane(model, i, mix, earlySteps, steps); });
+        parallelFor(lanes_.size(), [&](size_t i) { runLane(model, i, mix, early); });
     }
 
     /// Closes the iteration, made with this squared radius.
@@ -110,6 +126,7 @@ class ReplicaLanes {
             lanes_[i].samples.clear();
         }
         normalisation_.endIteration(squaredRadius);
+        if (settings_.pooledTheta) shareTheta();
     }
 
     ReplicaCounts counts() const {
@@ -150,15 +167,26 @@ class ReplicaLanes {
         MarkovChain<Value, ContributionTarget> contribution;
         /// A visible uniform sample that was taken before the chains of the iteration started.
         struct Early {
-            size_t step;
+            size_t sample;  ///< its number among the lane's uniform samples
             State state;
         };
         std::vector<Early> early;
         PrimarySample lastVisible;  ///< last visible uniform sample: replaces a state that became invisible
         State uniform, proposal;    ///< kept for their memory
+        size_t uniformSamples = 0;  ///< of the iteration, so far
         uint64_t swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
         Normalisation::Samples samples;
     };
+
+    void shareTheta() {
+        std::vector<MutationKernel*> visibility, contribution;
+        for (Lane& lane : lanes_) {
+            visibility.push_back(&lane.visibility.kernel());
+            contribution.push_back(&lane.contribution.kernel());
+        }
+        MutationKernel::shareTheta(visibility);
+        MutationKernel::shareTheta(contribution);
+    }
 
     void addAcceptance(const MutationKernel& kernel, ReplicaCounts::Acceptance& a) const {
         a.tried += kernel.tried();
@@ -174,12 +202,12 @@ class ReplicaLanes {
     }
 
     template <class Model>
-    void uniformSample(Model& model, size_t index, size_t step, const ReplicaMixture& mix) {
+    void uniformSample(Model& model, size_t index, size_t sample, const ReplicaMixture& mix) {
         Lane& lane = lanes_[index];
         State& u = lane.uniform;
         u.u.clear();
         u.weight = 0;
-        model.startUniform(u.u, lane.rng, index, step);
+        model.startUniform(u.u, lane.rng, index, sample);
         PrimarySampleStream stream(u.u, lane.rng);
         model.evaluateUniform(stream, u.value);
         lane.samples.addUniform(u.value.size);
@@ -192,19 +220,19 @@ class ReplicaLanes {
     }
 
     /// Takes the first of the iteration's uniform samples, until enough are visible to start the chains from.
-    /// Returns how many a lane has taken; the lanes keep the visible ones until their chains come to that
-    /// step.
+    /// Returns how many a lane has taken; the lanes keep the visible ones until their chains come to them.
     template <class Model>
-    size_t takeEarlySamples(Model& model, const ReplicaMixture& mix, size_t steps) {
+    size_t takeEarlySamples(Model& model, const ReplicaMixture& mix) {
         size_t taken = 0, visible = 0;
-        const size_t round = std::max<size_t>(1, kPoolSize / lanes_.size());
-        while (taken < steps && visible < kPoolSize) {
-            const size_t end = std::min(steps, taken + round);
+        const size_t samples = static_cast<size_t>(mix.uniform) / lanes_.size(),
+                     round = std::max<size_t>(1, kPoolSize / lanes_.size());
+        while (taken < samples && visible < kPoolSize) {
+            const size_t end = std::min(samples, taken + round);
             parallelFor(lanes_.size(), [&](size_t i) {
-                for (size_t step = taken; step < end; ++step) {
-                    uniformSample(model, i, step, mix);
+                for (size_t sample = taken; sample < end; ++sample) {
+                    uniformSample(model, i, sample, mix);
                     if (!lanes_[i].uniform.value.visible()) continue;
-                    lanes_[i].early.push_back({step, std::exchange(lanes_[i].uniform, {})});
+                    lanes_[i].early.push_back({sample, std::exchange(lanes_[i].uniform, {})});
                 }
             });
             taken = end;
@@ -278,22 +306,24 @@ class ReplicaLanes {
         });
     }
 
-    /// The step's uniform sample; whether the visibility replica has received it.
+    /// The step's uniform sample, of which the first `early` were taken before. `exchange`: the visibility
+    /// replica moves in this step too. Returns whether it has received the sample.
     template <class Model>
-    bool uniformStep(Model& model, size_t index, const ReplicaMixture& mix, size_t step, bool early,
+    bool uniformStep(Model& model, size_t index, const ReplicaMixture& mix, size_t early, bool exchange,
                      typename std::vector<typename Lane::Early>::iterator& nextEarly) {
         Lane& lane = lanes_[index];
         State& u = lane.uniform;
-        if (!early) {
-            uniformSample(model, index, step, mix);
-        } else if (nextEarly != lane.early.end() && nextEarly->step == step) {
+        const size_t sample = lane.uniformSamples++;
+        if (sample >= early) {
+            uniformSample(model, index, sample, mix);
+        } else if (nextEarly != lane.early.end() && nextEarly->sample == sample) {
             std::swap(u, (nextEarly++)->state);
         } else {
             return false;  // it was invisible
         }
         if (!u.value.visible()) return false;
         u.weight = mix.uniformWeight(u.value.size);
-        if (!(mix.visibility > 0)) {
+        if (!exchange) {
             payOut(model, index, u);
             return false;
         }
@@ -318,8 +348,7 @@ class ReplicaLanes {
         if (v.value.visible()) lane.samples.addVisibility(v.value.size);
     }
 
-    /// These samples do not enter the normalisations: b_F estimated from them would feed what short chains
-    /// have not yet found back into their weight.
+    /// These samples enter the normalisations by Bennett's ratio only.
     template <class Model>
     void contributionStep(Model& model, size_t index, const ReplicaMixture& mix) {
         Lane& lane = lanes_[index];
@@ -330,21 +359,31 @@ class ReplicaLanes {
         chain.state().weight += (1.0 - a) * mix.contributionWeight(chain.state().value.size);
         chain.decide(a, lane.proposal, lane.rng);
         payOut(model, index, lane.proposal);  // the one of the two that the chain has left
+        lane.samples.addContribution(chain.state().value.size);
         if (mix.visibility > 0 && lane.visibility.state().value.visible()) {
             ++lane.swapsTried;
             lane.swapsMade += exchangeReplicas(lane.visibility, lane.contribution, lane.rng);
         }
     }
 
+    /// The replicas' samples of a lane are spread evenly over as many steps as the largest number of them.
     template <class Model>
-    void runLane(Model& model, size_t index, const ReplicaMixture& mix, size_t earlySteps, size_t steps) {
+    void runLane(Model& model, size_t index, const ReplicaMixture& mix, size_t early) {
         Lane& lane = lanes_[index];
         auto nextEarly = lane.early.begin();
+        lane.uniformSamples = 0;
+        const double most = std::max({mix.uniform, mix.visibility, mix.contribution});
+        const size_t steps = static_cast<size_t>(most) / lanes_.size();
         for (size_t step = 0; step < steps; ++step) {
+            const auto due = [&](double count) {
+                const auto before = [&](size_t s) { return std::floor(double(s) * count / most); };
+                return before(step + 1) > before(step);
+            };
+            const bool visibility = due(mix.visibility);
             bool fresh = false;
-            if (mix.uniform > 0) fresh = uniformStep(model, index, mix, step, step < earlySteps, nextEarly);
-            if (mix.visibility > 0) visibilityStep(model, index, mix, fresh);
-            if (mix.contribution > 0) contributionStep(model, index, mix);
+            if (due(mix.uniform)) fresh = uniformStep(model, index, mix, early, visibility, nextEarly);
+            if (visibility) visibilityStep(model, index, mix, fresh);
+            if (due(mix.contribution)) contributionStep(model, index, mix);
         }
         payOut(model, index, lane.visibility.state());
         payOut(model, index, lane.contribution.state());

@@ -2,6 +2,7 @@
 #include "image/film.h"
 #include "sampling/sample_stream.h"
 #include "transport/eye_pass.h"
+#include "transport/pixel_importance.h"
 #include "transport/vertex_grid.h"
 
 #include <span>
@@ -21,6 +22,7 @@ struct LightPass {
     bool merge = true;
     bool splat = true;     ///< connect with the camera
     bool weighted = true;  ///< false: splats (light tracing) or merges (photon mapping) have weight one
+    const PixelImportance* importance = nullptr;  ///< of size(); null: all pixels count alike
 
     /// Coordinates of block 0 that the light's emission does not use.
     static constexpr int kEyeSubpathCoordinate = 5;
@@ -34,8 +36,13 @@ struct LightPass {
     void evaluate(SampleStream& stream, SplatList& splats, PhotonDensity* counted = nullptr,
                   std::vector<Vec3f>* trail = nullptr) const;
 
-    /// The same with the eye subpath given: `partner` has the vertices to connect with, and `connectionScale`
-    /// is one over the probability of that choice. Appends to `splats` and `trail`.
+    /// F(u) of what evaluate() found.
+    double size(const SplatList& splats) const {
+        return importance ? importance->size(splats) : splats.size();
+    }
+
+    /// evaluate() with the eye subpath given: `partner` has the vertices to connect with, and
+    /// `connectionScale` is one over the probability of that choice. Appends to `splats` and `trail`.
     void trace(SampleStream& stream, std::span<const Vertex> partner, float connectionScale,
                SplatList& splats, PhotonDensity* counted = nullptr,
                std::vector<Vec3f>* trail = nullptr) const;

@@ -1,0 +1,30 @@
+#pragma once
+#include "image/film.h"
+#include "image/splat.h"
+
+#include <vector>
+
+namespace metrolux {
+
+/// What a contribution to a pixel is worth in a target F that asks for relative error: one over what the image
+/// shows there so far, so that chains do not spend all their steps where it is bright.
+class PixelImportance {
+  public:
+    /// From the mean of the passes so far (all alike before the first), smoothed over kReach pixels to either
+    /// side, since noise in it would draw chains away from what they have just found. On average a luminance is
+    /// multiplied by one: F keeps its scale.
+    void update(const Film& film);
+
+    /// Sum over the splats of luminance times importance: F(u) of ALGORITHM.md section 3 with this target.
+    double size(const SplatList& splats) const;
+
+  private:
+    static constexpr int kReach = 2;
+    /// A pixel is not worth more than one of this share of the image's mean luminance.
+    static constexpr double kDarkest = 0.1;
+
+    FilmWindow window_;
+    std::vector<float> values_;
+};
+
+}  // namespace metrolux

@@ -6,13 +6,13 @@
 
 namespace metrolux {
 
-/// What a contribution to a pixel is worth in a target F that asks for relative error: one over what the image
-/// shows there so far, so that chains do not spend all their steps where it is bright.
+/// What a contribution to a pixel is worth in a target F that asks for relative error: one over what the
+/// image shows there so far, so that chains do not spend all their steps where it is bright.
 class PixelImportance {
   public:
     /// From the mean of the passes so far (all alike before the first), smoothed over kReach pixels to either
-    /// side, since noise in it would draw chains away from what they have just found. On average a luminance is
-    /// multiplied by one: F keeps its scale.
+    /// side, since noise in it would draw chains away from what they have just found. On average a luminance
+    /// is multiplied by one: F keeps its scale.
     void update(const Film& film);
 
     /// Sum over the splats of luminance times importance: F(u) of ALGORITHM.md section 3 with this target.

@@ -163,5 +163,16 @@ TEST(Mutation, ThetaFollowsEquationFiveWithinItsLimits) {
     EXPECT_DOUBLE_EQ(kelemen.acceptance(), 0.5);
 }
 
+TEST(Mutation, SharedThetaIsTheMean) {
+    std::vector<MutationKernel> kernels(3, MutationKernel(Kind::Adaptive));
+    for (int i = 0; i < 1000; ++i) kernels[1].adapt(i % 50 == 0);
+    for (int i = 0; i < 1000; ++i) kernels[2].adapt(i % 10 == 0);
+    const double mean = (kernels[0].theta() + kernels[1].theta() + kernels[2].theta()) / 3;
+    ASSERT_LT(kernels[1].theta(), kernels[2].theta());
+    MutationKernel::shareTheta({&kernels[0], &kernels[1], &kernels[2]});
+    for (const MutationKernel& k : kernels) EXPECT_DOUBLE_EQ(k.theta(), mean);
+    EXPECT_EQ(kernels[1].tried(), 1000u);
+}
+
 }  // namespace
 }  // namespace metrolux

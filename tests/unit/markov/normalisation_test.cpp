@@ -193,5 +193,66 @@ TEST(Normalisation, ExtremeSizesAreFinite) {
     EXPECT_TRUE(std::isfinite(n.contribution()) && n.contribution() > 0);
 }
 
+/// F under v: log-normal, E[F] = exp(s^2 / 2); under v F the logarithm is normal about s^2.
+struct LogNormal {
+    double sigma;
+    uint64_t key;
+    SizeHistogram histogram(int samples, double mean) const {
+        CounterRng rng(key);
+        SizeHistogram h;
+        for (int i = 0; i < samples; ++i) {
+            const double radius = std::sqrt(-2 * std::log(1 - rng.nextDouble())),
+                         normal = radius * std::cos(2 * std::numbers::pi * rng.nextDouble());
+            h.add(std::exp(mean + sigma * normal));
+        }
+        return h;
+    }
+};
+
+TEST(BennettMean, IsTheMeanAndBetterThanThePlainOne) {
+    constexpr double kSigma = 2;
+    constexpr int kRepetitions = 64, kSamples = 2000;
+    const double exact = std::exp(kSigma * kSigma / 2);
+    double sum = 0, squared = 0, plainSquared = 0;
+    for (uint64_t k = 0; k < kRepetitions; ++k) {
+        const SizeHistogram v = LogNormal{kSigma, hashKey(1, k)}.histogram(kSamples, 0),
+                            f = LogNormal{kSigma, hashKey(2, k)}.histogram(kSamples, kSigma * kSigma);
+        const double error = bennettMean(v, f) / exact - 1, plain = bennettMean(v, {}) / exact - 1;
+        sum += error;
+        squared += error * error;
+        plainSquared += plain * plain;
+    }
+    const double mean = sum / kRepetitions, rms = std::sqrt(squared / kRepetitions);
+    // Bins are a tenth wide: their middle is off by less than 1 %.
+    EXPECT_LT(std::abs(mean), 4 * rms / std::sqrt(kRepetitions) + 0.01);
+    EXPECT_LT(rms, 0.5 * std::sqrt(plainSquared / kRepetitions));
+}
+
+TEST(BennettMean, OfNothingIsZero) {
+    SizeHistogram some;
+    some.add(3);
+    EXPECT_EQ(bennettMean({}, {}), 0);
+    EXPECT_EQ(bennettMean({}, some), 0);
+    EXPECT_NEAR(bennettMean(some, {}), 3, 0.15);
+    EXPECT_NEAR(bennettMean(some, some), 3, 0.15);
+}
+
+TEST(Normalisation, BennettsRatioUsesTheContributionReplica) {
+    Normalisation n(NormalisationMethod::Bennett);
+    // Half of the uniform samples are visible, with sizes 1 and 16 alike often: the mean is 8.5, and the
+    // contribution replica visits 16 in 16 of 17 steps. Uniform samples have missed most of the large ones.
+    for (int i = 0; i < 200; ++i) {
+        Normalisation::Samples s = n.newSamples();
+        for (int k = 0; k < 34; ++k) s.addUniform(0);
+        for (int k = 0; k < 34; ++k) s.addUniform(k % 2 ? 1 : 16);
+        for (int k = 0; k < 340; ++k) s.addContribution(k % 17 ? 16 : 1);
+        n.add(i % 8, s);
+        n.endIteration(1);
+    }
+    n.update(1);
+    EXPECT_NEAR(n.visibility(), 0.5, 1e-9);
+    EXPECT_NEAR(n.contribution(), 0.5 * 8.5, 0.05 * 4.25);
+}
+
 }  // namespace
 }  // namespace metrolux

@@ -38,6 +38,9 @@ struct ToyModel {
 struct Case {
     bool uniform, visibility, contribution;
     double visibleShare, invisible;
+    std::array<double, 3> split{1, 1, 1};
+    NormalisationMethod normalisation = NormalisationMethod::Pooled;
+    bool pooledTheta = false;
 };
 
 /// Mean over iterations of one seed.
@@ -52,6 +55,9 @@ double estimate(const Case& c, uint64_t seed) {
     s.uniform = c.uniform;
     s.visibility = c.visibility;
     s.contribution = c.contribution;
+    s.split = c.split;
+    s.normalisation = c.normalisation;
+    s.pooledTheta = c.pooledTheta;
     ReplicaLanes<ToyValue> lanes(s);
     ToyModel model{c.visibleShare, std::vector<double>(8, 0.0), c.invisible};
     for (int i = 0; i < kIterations; ++i) {
@@ -70,9 +76,19 @@ TEST(ReplicaLanes, WeightedSumsAreTheIntegral) {
     constexpr int kSeeds = 32;
     constexpr double kRate = 1e-3;  // that any of the cases fails by chance
     const std::vector<Case> cases{
-        {true, false, false, 0.3, 0}, {true, true, false, 0.3, 0},  {true, false, true, 0.3, 0},
-        {true, true, true, 0.3, 0},   {true, true, true, 0.05, 0},  {true, true, false, 0.3, 2},
-        {true, true, true, 1, 0},     {true, true, false, 0.05, 5},
+        {true, false, false, 0.3, 0},
+        {true, true, false, 0.3, 0},
+        {true, false, true, 0.3, 0},
+        {true, true, true, 0.3, 0},
+        {true, true, true, 0.05, 0},
+        {true, true, false, 0.3, 2},
+        {true, true, true, 1, 0},
+        {true, true, false, 0.05, 5},
+        {true, true, true, 0.3, 0, {4, 1, 1}},
+        {true, true, true, 0.3, 0, {1, 2, 5}},
+        {true, true, false, 0.3, 2, {1, 3, 1}},
+        {true, true, true, 0.3, 0, {1, 1, 1}, NormalisationMethod::Bennett},
+        {true, true, true, 0.3, 0, {1, 1, 1}, NormalisationMethod::Pooled, true},
     };
     for (size_t k = 0; k < cases.size(); ++k) {
         const Case& c = cases[k];
@@ -105,6 +121,40 @@ TEST(ReplicaLanes, MixtureCountsWhatTheLanesTake) {
     EXPECT_EQ(chains.contribution, 0);
     EXPECT_EQ(uniform.uniform, 105);
     EXPECT_EQ(uniform.samples(), 105);
+
+    s.contribution = true;
+    s.split = {1, 2, 4};
+    const ReplicaMixture uneven = ReplicaLanes<ToyValue>(s).mixture(700);
+    EXPECT_EQ(uneven.uniform, 105);  // 100, rounded up
+    EXPECT_EQ(uneven.visibility, 203);
+    EXPECT_EQ(uneven.contribution, 406);  // 400
+}
+
+TEST(ReplicaLanes, TakesAsManySamplesAsTheMixtureSays) {
+    struct CountingModel : ToyModel {
+        explicit CountingModel(size_t lanes) : ToyModel{1, std::vector<double>(lanes, 0.0)} {}
+        std::array<std::vector<size_t>, 3> uniform;  ///< numbers of the uniform samples of each lane
+        void startUniform(PrimarySample&, CounterRng&, size_t lane, size_t sample) {
+            uniform[lane].push_back(sample);
+        }
+    };
+    ReplicaSettings s;
+    s.lanes = 3;
+    s.split = {2, 5, 3};
+    ReplicaLanes<ToyValue> lanes(s);
+    CountingModel model(3);
+    lanes.normalisation().update(1);
+    ReplicaMixture mix = lanes.mixture(3000);
+    lanes.run(model, mix, 0, 0);
+    for (const std::vector<size_t>& samples : model.uniform) {
+        ASSERT_EQ(samples.size(), size_t(mix.uniform) / 3);
+        for (size_t i = 0; i < samples.size(); ++i) EXPECT_EQ(samples[i], i);
+    }
+    const ReplicaCounts c = lanes.counts();
+    // A visible uniform sample that falls to a step of the visibility replica takes the place of its
+    // mutation.
+    EXPECT_EQ(c.visibility.tried + c.uniformSwaps, uint64_t(mix.visibility));
+    EXPECT_EQ(c.contribution.tried, uint64_t(mix.contribution));
 }
 
 }  // namespace

@@ -31,7 +31,8 @@ An integrator may be followed by options of `metrolux render` that are for it al
 mcmc_vcm:kernel=adaptive:chain-inefficiency=8.
 
 All integrators render with the first seed, one after the other on all threads, then all with the next one. Their
-error is measured at times that grow by the square root of 2; measuring stops the clock. The machine should be quiet.
+error is measured at times that grow by the square root of 2; measuring stops the clock. The machine should be quiet
+(or --clock cpu).
 
 Each scene gets a folder: index.html (a page that needs no network: images side by side, curves, table),
 study.json, curves.csv, table.md, and the images as EXR and PNG. docs/study.md defines all numbers.
@@ -41,7 +42,7 @@ Ctrl-C ends the pass in progress, writes what is there and exits with status 3.)
 struct StudyArguments {
     RenderArguments render;  ///< scene and machine options
     std::vector<std::string> scenes, integrators, references;
-    std::string time, referenceTime, referenceIntegrator = "mcmc_vcm", folder = "study";
+    std::string time, referenceTime, referenceIntegrator = "mcmc_vcm", folder = "study", clock = "wall";
     Plan plan;
 };
 
@@ -57,6 +58,13 @@ void addComparisonOptions(CLI::App& app, StudyArguments& a) {
         ->group(group);
     app.add_option("--time", a.time, "Equal time for each run: 90s, 5m, 1h30m (default: 60s)")
         ->option_text("TIME")
+        ->group(group);
+    app.add_option(
+           "--clock", a.clock,
+           "What --time counts: `wall` (default), or `cpu`, processor time over threads, for a machine\nthat "
+           "is shared")
+        ->option_text("NAME")
+        ->check(CLI::IsMember({"wall", "cpu"}))
         ->group(group);
     app.add_option("--passes", a.plan.passes, "Equal number of passes in place of equal time")
         ->option_text("N")
@@ -335,6 +343,8 @@ int runStudyCommand(StudyArguments& a) {
     completePlan(a);
     catchInterrupts();
     ThreadLimit limit(a.render.threads);
+    a.plan.threads = limit.threads();
+    a.plan.clock = a.clock == "cpu" ? study::Clock::Processor : study::Clock::Wall;
     return limit.execute([&] {
         StudyRunner runner(a, limit.threads());
         runner.check();

@@ -30,10 +30,11 @@ class PhotonMappingIntegrator final : public IteratedIntegrator {
   private:
     void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size()), r = radius_.radius();
-        // Hits over delta lobes have weight one with any counts; merges are not weighted.
-        const Strategies strategies = Strategies::path();
+        // A path has one technique: hits have weight one, merges are not weighted.
+        const Strategies strategies = Strategies::hitsAlone();
         EyePass eyePass{scene_, options_.limits, strategies, options_.seed, film.passes()};
-        eyePass.nextEvent = eyePass.beyondSmooth = false;
+        eyePass.nextEvent = false;
+        eyePass.photonMapping = true;
         eyePass.run(pixels, film, eyes_);
         grid_.build(eyes_.all(), static_cast<float>(r));
 

@@ -37,6 +37,9 @@ class Blend final : public Bsdf {
         return lerp(weight(si), first_->albedo(si), second_->albedo(si));
     }
     bool hasSmoothLobe() const override { return first_->hasSmoothLobe() || second_->hasSmoothLobe(); }
+    bool isNarrow(const SurfaceInteraction& si) const override {
+        return first_->isNarrow(si) && second_->isNarrow(si);
+    }
     bool hasDeltaLobe() const override { return first_->hasDeltaLobe() || second_->hasDeltaLobe(); }
     bool isTransmissive() const override { return first_->isTransmissive() || second_->isTransmissive(); }
 

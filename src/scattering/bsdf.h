@@ -76,6 +76,10 @@ class Bsdf {
 
     virtual bool hasSmoothLobe() const = 0;  ///< can be connected and merged
     virtual bool hasDeltaLobe() const = 0;
+    /// All smooth lobes have a roughness below kNarrow: of the photons that arrive from everywhere next to
+    /// none are scattered in a given direction, and photon mapping had better follow the lobe.
+    virtual bool isNarrow(const SurfaceInteraction&) const { return false; }
+    static constexpr float kNarrow = 0.1f;
     /// Light can pass through the surface (so that both sides of it scatter into each other).
     virtual bool isTransmissive() const { return false; }
 

@@ -36,6 +36,7 @@ class Mask final : public Bsdf {
         return lerp(opacity(si), Rgb(1.0f), nested_->albedo(si));
     }
     bool hasSmoothLobe() const override { return nested_->hasSmoothLobe(); }
+    bool isNarrow(const SurfaceInteraction& si) const override { return nested_->isNarrow(si); }
     bool hasDeltaLobe() const override { return true; }
     bool isTransmissive() const override { return true; }
 

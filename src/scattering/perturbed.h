@@ -33,6 +33,7 @@ class PerturbedBsdf : public Bsdf {
     Rgb albedo(const SurfaceInteraction& si) const final { return nested_->albedo(si); }
     bool hasSmoothLobe() const final { return nested_->hasSmoothLobe(); }
     bool hasDeltaLobe() const final { return nested_->hasDeltaLobe(); }
+    bool isNarrow(const SurfaceInteraction& si) const final { return nested_->isNarrow(si); }
     bool isTransmissive() const final { return nested_->isTransmissive(); }
 
   protected:

@@ -44,6 +44,9 @@ class RoughConductor final : public Bsdf {
         return clampUnit(reflectance_(si) * (normalIncidence * (20.0f / 21.0f) + Rgb(1.0f / 21.0f)));
     }
     bool hasSmoothLobe() const override { return true; }
+    bool isNarrow(const SurfaceInteraction& si) const override {
+        return std::max(alphaU_(si), alphaV_(si)) < kNarrow;
+    }
     bool hasDeltaLobe() const override { return false; }
 
   private:

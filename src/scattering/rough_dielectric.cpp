@@ -64,6 +64,9 @@ class RoughDielectric final : public Bsdf {
         return clampUnit({std::max(r.x, t.x), std::max(r.y, t.y), std::max(r.z, t.z)});
     }
     bool hasSmoothLobe() const override { return true; }
+    bool isNarrow(const SurfaceInteraction& si) const override {
+        return std::max(alphaU_(si), alphaV_(si)) < kNarrow;
+    }
     bool hasDeltaLobe() const override { return false; }
     bool isTransmissive() const override { return true; }
 

@@ -30,6 +30,9 @@ class TwoSided final : public Bsdf {
         return front_ == back_ ? front_->albedo(si) : (front_->albedo(si) + back_->albedo(si)) * 0.5f;
     }
     bool hasSmoothLobe() const override { return front_->hasSmoothLobe() || back_->hasSmoothLobe(); }
+    bool isNarrow(const SurfaceInteraction& si) const override {
+        return front_->isNarrow(si) && back_->isNarrow(si);
+    }
     bool hasDeltaLobe() const override { return front_->hasDeltaLobe() || back_->hasDeltaLobe(); }
 
   private:

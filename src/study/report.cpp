@@ -139,6 +139,7 @@ Json planJson(const Plan& plan) {
     for (int k = 0; k < plan.seeds; ++k) seeds.push_back(plan.firstSeed + static_cast<uint64_t>(k));
     return {{"limit", plan.seconds > 0 ? "seconds" : "passes"},
             {"seconds", plan.seconds > 0 ? Json(plan.seconds) : Json()},
+            {"clock", plan.clock == Clock::Wall ? "wall" : "cpu"},
             {"passes", plan.seconds > 0 ? Json() : Json(plan.passes)},
             {"seeds", seeds},
             {"epsilon", plan.epsilon},

@@ -6,29 +6,38 @@
 
 #include <spdlog/spdlog.h>
 
-#include <chrono>
 #include <cmath>
+#include <time.h>
 
 namespace metrolux::study {
 namespace {
 
-double steadySeconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 /// A clock that can be stopped while something is done that is not to be counted.
 class Stopwatch {
   public:
-    double seconds() const { return steadySeconds() - start_ - paused_; }
+    /// `threads`: for Clock::Processor.
+    explicit Stopwatch(Clock clock = Clock::Wall, int threads = 1)
+        : clock_(clock), threads_(threads), start_(now()) {}
+
+    double seconds() const { return now() - start_ - paused_; }
     template <class Body>
     void pauseFor(Body&& body) {
-        const double before = steadySeconds();
+        const double before = now();
         body();
-        paused_ += steadySeconds() - before;
+        paused_ += now() - before;
     }
 
   private:
-    double start_ = steadySeconds(), paused_ = 0;
+    double now() const {
+        timespec t{};
+        const bool wall = clock_ == Clock::Wall;
+        clock_gettime(wall ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &t);
+        return (double(t.tv_sec) + 1e-9 * double(t.tv_nsec)) / (wall ? 1 : threads_);
+    }
+
+    Clock clock_;
+    int threads_;
+    double start_, paused_ = 0;
 };
 
 IntegratorOptions optionsFor(const Scene& scene, const Entrant& entrant, uint64_t seed) {
@@ -61,14 +70,13 @@ uint64_t nonFiniteOf(const Film& film) {
 
 /// Renders with one seed. The construction of the integrator counts as rendering: some sample there.
 /// `measure` is called after each pass with its report, off the clock.
-Run render(const Scene& scene, const Entrant& entrant, uint64_t seed, RenderLimits limits,
+Run render(const Scene& scene, const Entrant& entrant, uint64_t seed, RenderLimits limits, Stopwatch watch,
            const Surroundings& surroundings,
            const std::function<void(const Film&, const PassReport&)>& measure) {
     Run run;
     run.seed = seed;
     Film film = makeFilm(scene);
     ProgressReporter progress(surroundings.progress);
-    Stopwatch watch;
     const auto integrator =
         makeIntegrator(integratorName(scene, entrant), scene, optionsFor(scene, entrant, seed));
     run.setupSeconds = watch.seconds();
@@ -109,11 +117,12 @@ Run measuredRun(const Scene& scene, const Plan& plan, const Entrant& entrant, ui
     limits.seconds = plan.seconds;
     limits.passes = plan.passes;
     Run run =
-        render(scene, entrant, seed, limits, surroundings, [&](const Film& film, const PassReport& report) {
-            last = report;
-            if (schedule.due(plan.abscissa() == Abscissa::Seconds ? report.seconds : report.passes))
-                take(imageOf(film), report);
-        });
+        render(scene, entrant, seed, limits, Stopwatch(plan.clock, plan.threads), surroundings,
+               [&](const Film& film, const PassReport& report) {
+                   last = report;
+                   if (schedule.due(plan.abscissa() == Abscissa::Seconds ? report.seconds : report.passes))
+                       take(imageOf(film), report);
+               });
     if (last.passes > 0 && measurements.back().passes < last.passes) take(run.image, last);
     run.measurements = std::move(measurements);
     return run;
@@ -156,7 +165,7 @@ std::optional<Reference> renderReference(const Scene& scene, const Plan& plan, c
         RenderLimits limits;
         limits.seconds = seconds / 2;
         PassReport last;
-        Run run = render(scene, entrant, seed, limits, surroundings,
+        Run run = render(scene, entrant, seed, limits, Stopwatch(), surroundings,
                          [&](const Film&, const PassReport& report) { last = report; });
         if (last.passes == 0) return std::nullopt;
         reference.seeds.push_back(seed);

@@ -21,10 +21,20 @@ struct Entrant {
     std::vector<std::string> settings;  ///< the command-line words that `options` came from
 };
 
+/// What "seconds" are.
+enum class Clock {
+    Wall,
+    /// Processor time of the program over its threads: what the clock on the wall would show if nothing else
+    /// ran and all threads were always busy. For machines that are shared.
+    Processor
+};
+
 struct Plan {
     std::vector<Entrant> entrants;
     double seconds = 0;   ///< equal time; 0: equal passes
     uint32_t passes = 0;  ///< equal passes
+    Clock clock = Clock::Wall;
+    int threads = 1;  ///< that renders run on
     uint64_t firstSeed = 1;
     int seeds = 3;  ///< seeds firstSeed ... firstSeed + seeds - 1
     double epsilon = kRelMseEpsilon;
@@ -41,7 +51,7 @@ struct Reference {
     std::string integrator;        ///< label of the entrant that rendered it
     std::vector<uint64_t> seeds;   ///< of its two halves
     std::vector<uint32_t> passes;  ///< of its two halves
-    double seconds = 0;            ///< of both
+    double seconds = 0;            ///< of both, on the wall's clock
     /// Of a rendered one: what compareImages finds between it and an image that differs from it by its own
     /// noise (half the difference of its two halves). The bias is one draw of its noise.
     std::optional<ImageDifference> noise;

@@ -21,7 +21,8 @@ class EyeVisitor final : public SubpathVisitor {
         const PathLimits& limits = pass_.limits;
         if (v.si.shape->emitter && countsHit(v.depth)) add(hitLight(pass_.scene, pass_.strategies, v));
         if (pass_.deepest >= 0 && v.depth >= pass_.deepest) return false;
-        if (v.bsdf().hasSmoothLobe()) {
+        gathers_ = v.bsdf().hasSmoothLobe() && !(pass_.photonMapping && v.bsdf().isNarrow(v.si));
+        if (gathers_) {
             const bool extensible = limits.maxDepth < 0 || v.depth < limits.maxDepth;
             if (pass_.nextEvent && extensible) sum_ += pass_.estimateDirect(v, nee_, film_);
             if (pass_.keepVertices && extensible) kept_.push_back(v);
@@ -29,7 +30,7 @@ class EyeVisitor final : public SubpathVisitor {
         return true;
     }
 
-    bool scattered(bool delta) override { return delta || pass_.beyondSmooth; }
+    bool scattered(bool delta) override { return delta || !pass_.photonMapping || !gathers_; }
 
     void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput, const MisState& mis,
                  int depth) override {
@@ -51,6 +52,7 @@ class EyeVisitor final : public SubpathVisitor {
     Film& film_;
     std::vector<Vertex>& kept_;
     Rgb sum_{0.0f};
+    bool gathers_ = false;  ///< at the last vertex
 };
 
 }  // namespace

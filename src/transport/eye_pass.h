@@ -48,10 +48,12 @@ struct EyePass {
     uint32_t pass = 0;
     bool nextEvent = true;  ///< next-event estimation
     bool keepVertices = true;
-    bool hit = true;           ///< emitters hit at any depth; false: directly seen ones only
-    bool direct = true;        ///< emitters that the camera sees directly
-    int deepest = -1;          ///< subpaths end after this many edges; -1: at the scene's limit
-    bool beyondSmooth = true;  ///< false: subpaths end where a smooth lobe scatters them (photon mapping)
+    bool hit = true;     ///< emitters hit at any depth; false: directly seen ones only
+    bool direct = true;  ///< emitters that the camera sees directly
+    int deepest = -1;    ///< subpaths end after this many edges; -1: at the scene's limit
+    /// Photon mapping: vertices of narrow lobes (Bsdf::isNarrow) are not kept, and subpaths end where another
+    /// smooth lobe scatters them.
+    bool photonMapping = false;
 
     /// `pixels`: indices in the film's window. Deterministic for any number of threads.
     void run(std::span<const uint32_t> pixels, Film& film, EyeVertices& result) const;

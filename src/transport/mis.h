@@ -25,6 +25,9 @@ struct Strategies {
     /// Connections of light vertices to the camera, which need no eye subpath: less than connections where
     /// eye subpaths are sampled more densely than evenly (split_mcmc). 0 for path tracing.
     double splat = 1;
+    /// Next-event estimations for each hit: 1, or 0 where there are none (photon mapping; no other weight
+    /// than that of hit knows of this).
+    double nee = 1;
 
     /// Share c of `merge` that counts at a vertex which the eye subpath has reached by chance. All photons
     /// within the radius share that vertex: their mean is an estimate from one eye subpath, however many they
@@ -37,6 +40,8 @@ struct Strategies {
     }
 
     static Strategies path() { return {1, 0, 0, nullptr, 0}; }
+    /// Eye subpaths that find lights by hitting them only.
+    static Strategies hitsAlone() { return {1, 0, 0, nullptr, 0, 0}; }
     static Strategies bidirectional(double lambda, double eta, const PhotonDensity* photons = nullptr,
                                     double splat = 1) {
         return {1.0 / lambda, 1, eta, photons, splat};
@@ -133,7 +138,7 @@ struct MisState {
 /// Weight of hitting a light with the eye subpath: TR eq. 43. `connectArea`: density of next-event estimation
 /// for the hit point per area (per solid angle for an environment); `emission`: position * direction density.
 inline double hitWeight(const Strategies& n, const MisState& eye, double connectArea, double emission) {
-    return 1.0 / (1.0 + connectArea * eye.dVCM + emission * eye.dVC / n.hitNee);
+    return 1.0 / (1.0 + n.nee * connectArea * eye.dVCM + emission * eye.dVC / n.hitNee);
 }
 
 /// Weight of next-event estimation: TR eq. 44. Densities per solid angle at the eye vertex; `share` of

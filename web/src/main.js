@@ -10,7 +10,7 @@ const kColours = 10;
 const content = (id) => JSON.parse(document.getElementById(id).textContent);
 
 function limitText(plan) {
-  return plan.limit === "seconds" ? durationText(plan.seconds) : `${plan.passes} passes`;
+  return plan.limit === "seconds" ? durationText(plan.seconds) + (plan.clock === "cpu" ? " of processor time" : "") : `${plan.passes} passes`;
 }
 
 function fillHeader(study) {

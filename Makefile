@@ -3,7 +3,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 BUILD := build
 PACKAGES := $(shell cat packages.txt)
 
-.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery format tidy clean
+.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery study format tidy clean
 
 setup:
 	@dpkg-query -W -f='$${Status}\n' $(PACKAGES) 2>/dev/null | grep -c '^install ok installed$$' | \
@@ -48,6 +48,10 @@ debug-test: setup
 
 gallery: build
 	tools/gallery.sh
+
+# All integrators on six hard scenes, a minute of processor time each, as web pages in study/: more than an hour.
+study: build
+	tools/study.sh study
 
 format:
 	git ls-files '*.cpp' '*.h' | xargs clang-format -i

@@ -165,6 +165,42 @@ def water():
     return height_field(4.2, 3.2, 128, 96, height)
 
 
+def cut_stone(sides=8):
+    """A brilliant cut: table above, culet below, girdle of radius 1 at height 0; flat facets."""
+    def ring(radius, y, shift, count):
+        angles = (2 * math.pi * (i + shift) / count for i in range(count))
+        return [(radius * math.cos(a), y, radius * math.sin(a)) for a in angles]
+
+    girdle = 2 * sides
+    below, above = ring(1, 0, 0, girdle), ring(1, 0.06, 0, girdle)
+    table, pavilion = ring(0.57, 0.40, 0.5, sides), ring(0.45, -0.50, 0.5, sides)
+    culet = (0.0, -0.88, 0.0)
+    facets = []
+    for i in range(girdle):
+        j = (i + 1) % girdle
+        facets += [(below[i], above[i], above[j]), (below[i], above[j], below[j])]
+    for i in range(sides):
+        j = (i + 1) % sides
+        a, b, c = 2 * i, 2 * i + 1, (2 * i + 2) % girdle
+        facets += [(above[a], table[i], above[b]), (above[b], table[i], above[c]), (above[c], table[i], table[j])]
+        facets += [(below[a], below[b], pavilion[i]), (below[b], below[c], pavilion[i])]
+        facets += [(below[c], pavilion[j], pavilion[i]), (pavilion[i], pavilion[j], culet)]
+        if 0 < i < sides - 1:
+            facets.append((table[0], table[i], table[j]))
+
+    vertices, faces = [], []
+    for p, q, r in facets:
+        u, v = [b - a for a, b in zip(p, q)], [b - a for a, b in zip(p, r)]
+        normal = (u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0])
+        outward = sum(n * (a + b + c) / 3 for n, a, b, c in zip(normal, p, q, r))
+        inside = normal[1] * -0.1  # a point on the axis that every facet faces away from
+        corners = (p, q, r) if outward > inside else (p, r, q)
+        size = math.sqrt(sum(n * n for n in normal)) * (1 if outward > inside else -1)
+        faces.append(tuple(len(vertices) + k for k in range(3)))
+        vertices += [(*corner, *(n / size for n in normal), 0.0, 0.0) for corner in corners]
+    return vertices, faces
+
+
 def leaf_mesh():
     return height_field(1, 1, 12, 12, lambda x, z: 0.16 * (0.5 - x * x * 1.6 - abs(z) * 0.5))
 
@@ -276,7 +312,7 @@ def leaf(size, mask):
 
 def main():
     scenes = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).parents[1] / "scenes"
-    for name in ["door-ajar", "environment", "water-sds", "textured"]:
+    for name in ["door-ajar", "environment", "water-sds", "textured", "vitrine"]:
         (scenes / name).mkdir(parents=True, exist_ok=True)
     write_ply(scenes / "door-ajar/vase.ply", *vase())
     write_ply(scenes / "door-ajar/bowl.ply", *bowl())
@@ -284,6 +320,7 @@ def main():
     write_ply(scenes / "environment/queen.ply", *chess_queen())
     write_hdr(scenes / "environment/sky.hdr", 256, 128, sky(256, 128))
     write_ply(scenes / "water-sds/water.ply", *water())
+    write_ply(scenes / "vitrine/stone.ply", *cut_stone())
     write_ply(scenes / "textured/leaf.ply", *leaf_mesh())
     write_png(scenes / "textured/leaf.png", 256, 256, leaf(256, False))
     write_png(scenes / "textured/leaf-mask.png", 256, 256, leaf(256, True))

@@ -124,7 +124,7 @@ void evaluateRagged(SampleStream& stream, Value& v) {
 }
 constexpr std::array<double, 2> kRaggedIntegral{0.75, 0.3};
 
-/// What the sampler returns after each of `calls` calls of `steps` steps.
+/// Moments of what a call of 160 steps returns.
 std::array<Moments, 2> raggedIntegral(Kind kind, double largeStep, uint64_t training, int replicates) {
     std::array<Moments, 2> moments;
     for (int r = 0; r < replicates; ++r) {

@@ -3,7 +3,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 BUILD := build
 PACKAGES := $(shell cat packages.txt)
 
-.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery format tidy clean
+.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery integrator-pictures format tidy clean
 
 setup:
 	@dpkg-query -W -f='$${Status}\n' $(PACKAGES) 2>/dev/null | grep -c '^install ok installed$$' | \
@@ -48,6 +48,10 @@ debug-test: setup
 
 gallery: build
 	tools/gallery.sh
+
+# The pictures of docs/integrators.md: about eight minutes.
+integrator-pictures: build
+	tools/integrator_pictures.sh
 
 format:
 	git ls-files '*.cpp' '*.h' | xargs clang-format -i

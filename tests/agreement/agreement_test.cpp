@@ -121,7 +121,7 @@ const char* const kTorusNeeds =
     "lobes that hardly any photon falls into";
 
 const std::vector<Case> kCases{
-    {"door_ajar", "door-ajar/scene.xml", false, kWithPhotons, kRare},
+    {"door_ajar", "door-ajar/scene.xml", false, kSplitAlone, kAjar},
     {"environment", "environment/scene.xml", false, kEverything},
     {"glass_sphere", "glass-sphere/scene.xml", false, kMergingOnly, kMergingNeeded},
     {"glossy_room", "glossy-room/scene.xml", false, kWithPathChains, kGlossy},

@@ -70,12 +70,11 @@ TEST_P(Evenness, SplitMcmcConvergesWorseInSomePartsThanInOthers) {
     EXPECT_GT(split.range(), 1.2 * control.range());
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenes, Evenness, testing::Values("water-sds", "door-ajar", "glossy-room"),
-                         [](const auto& i) {
-                             std::string name = i.param;
-                             std::replace(name.begin(), name.end(), '-', '_');
-                             return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(Scenes, Evenness, testing::Values("water-sds", "glossy-room"), [](const auto& i) {
+    std::string name = i.param;
+    std::replace(name.begin(), name.end(), '-', '_');
+    return name;
+});
 
 }  // namespace
 }  // namespace metrolux

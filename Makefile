@@ -3,7 +3,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 BUILD := build
 PACKAGES := $(shell cat packages.txt)
 
-.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery study format tidy clean
+.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery study format tidy clean integrator-pictures
 
 setup:
 	@dpkg-query -W -f='$${Status}\n' $(PACKAGES) 2>/dev/null | grep -c '^install ok installed$$' | \
@@ -52,6 +52,10 @@ gallery: build
 # All integrators on six hard scenes, a minute of processor time each, as web pages in study/: more than an hour.
 study: build
 	tools/study.sh study
+
+# The pictures of docs/integrators.md: about eight minutes.
+integrator-pictures: build
+	tools/integrator_pictures.sh
 
 format:
 	git ls-files '*.cpp' '*.h' | xargs clang-format -i

@@ -28,11 +28,41 @@ void uniformSample(Evaluate&& evaluate, MarkovState<Value>& state, uint64_t key)
     evaluate(stream, state.value);
 }
 
+/// Reads the mutation `to` of the sample `from`. Where it needs coordinates that `from` has not, both get
+/// them: a uniform one and its mutation. `from` keeps its own if it remains the chain's state, because the
+/// rejection depended on it. Were it drawn anew each time, bright spots in such coordinates would be too
+/// bright: a chain that has left one would find its way back by coordinates that it keeps, and a chain that
+/// has failed to enter one would forget that.
+class MutatedStream final : public SampleStream {
+  public:
+    MutatedStream(PrimarySample& from, PrimarySample& to, const MutationKernel& kernel, CounterRng& rng)
+        : from_(from), to_(to), kernel_(kernel), rng_(rng) {}
+    void seek(int block) override { position_ = static_cast<size_t>(blockOffset(block)); }
+    float next1D() override {
+        while (position_ >= to_.size()) {
+            from_.push_back(rng_.next1D());
+            to_.push_back(kernel_.mutated(from_.back(), rng_));
+        }
+        return to_[position_++];
+    }
+    Vec2f next2D() override {
+        const float x = next1D();
+        return {x, next1D()};
+    }
+
+  private:
+    PrimarySample &from_, &to_;
+    const MutationKernel& kernel_;
+    CounterRng& rng_;
+    size_t position_ = 0;
+};
+
 /// Metropolis-Hastings with a symmetric kernel. `Target` is callable: double(const Value&), not negative.
 template <class Value, class Target>
 class MarkovChain {
   public:
-    MarkovChain(Target target, MutationKernel::Kind kind) : kernel_(kind), target_(std::move(target)) {}
+    MarkovChain(Target target, MutationKernel::Kind kind, uint64_t adaptations = MutationKernel::kAlways)
+        : kernel_(kind, adaptations), target_(std::move(target)) {}
 
     MarkovState<Value>& state() { return state_; }
     const MarkovState<Value>& state() const { return state_; }
@@ -47,7 +77,7 @@ class MarkovChain {
     double propose(Evaluate&& evaluate, MarkovState<Value>& proposal, CounterRng& rng) {
         kernel_.mutate(state_.u, proposal.u, rng);
         proposal.weight = 0;
-        PrimarySampleStream stream(proposal.u, rng);
+        MutatedStream stream(state_.u, proposal.u, kernel_, rng);
         evaluate(stream, proposal.value);
         return acceptance(proposal);
     }

@@ -16,6 +16,9 @@ struct MetropolisOptions {
     double largeStep = 0.3;         ///< probability of a uniform proposal
     size_t steeringSamples = 4096;  ///< for the normalisation in the weights
     size_t poolSamples = 16384;     ///< for the start of the chains
+    /// Adaptive kernel: mutations of each lane that theta is adapted to, before the chains count. kAlways: no
+    /// training, theta adapts for ever.
+    uint64_t trainingMutations = 512;
 };
 
 /// An observer of chains that looks away.
@@ -39,12 +42,16 @@ struct Unobserved {
 /// normalisation falls with the number of all uniform samples. The b in W comes from samples of its own: it
 /// steers weights only, and were it one with the pool's mean, W would be a function of the samples that it
 /// weighs.
+///
+/// The adaptive kernel learns its steps on chains from the samples of b, whose states are then forgotten, and
+/// keeps them: adapting while its states count made them up to 5 % too bright in the first 200 steps of a
+/// toy (tests/unit/markov/metropolis_test.cpp).
 template <class Value>
 class MetropolisSampler {
   public:
     explicit MetropolisSampler(const MetropolisOptions& options)
         : options_(options), rng_(options.key), pool_(static_cast<size_t>(options.lanes)) {
-        for (int i = 0; i < options.lanes; ++i) lanes_.emplace_back(hashKey(options.key, i), options.kind);
+        for (int i = 0; i < options.lanes; ++i) lanes_.emplace_back(hashKey(options.key, i), options);
     }
 
     /// Estimates the integral once, with `steps` samples: by steps of the chains, or by uniform samples as
@@ -53,7 +60,9 @@ class MetropolisSampler {
     void integrate(size_t steps, Evaluate&& evaluate, Pay&& pay) {
         if (!calibrate(evaluate)) {
             const double weight = 1.0 / double(steps);
-            addSteering(uniformSamples(steps, evaluate, [&](const Value& v) { pay(v, weight); }), steps);
+            const auto visible = uniformSamples(steps, evaluate, [&](const Value& v) { pay(v, weight); });
+            addSteering(visible, steps);
+            train(visible, evaluate);
             return;
         }
         if (pool_.drawn() == 0)
@@ -84,9 +93,11 @@ class MetropolisSampler {
     /// Draws the samples that b rests on, if that has not been done; false while all of them are black.
     template <class Evaluate>
     bool calibrate(Evaluate&& evaluate) {
-        if (steeringDrawn_ == 0)
-            addSteering(uniformSamples(options_.steeringSamples, evaluate, [](const Value&) {}),
-                        options_.steeringSamples);
+        if (steeringDrawn_ == 0) {
+            const auto visible = uniformSamples(options_.steeringSamples, evaluate, [](const Value&) {});
+            addSteering(visible, options_.steeringSamples);
+            train(visible, evaluate);
+        }
         return steeringSum_ > 0;
     }
     /// b as the weights have it.
@@ -107,7 +118,8 @@ class MetropolisSampler {
         double operator()(const Value& v) const { return v.size; }
     };
     struct Lane {
-        Lane(uint64_t key, MutationKernel::Kind kind) : rng(key), chain(Target{}, kind) {}
+        Lane(uint64_t key, const MetropolisOptions& o)
+            : rng(key), chain(Target{}, o.kind, o.trainingMutations) {}
         CounterRng rng;
         MarkovChain<Value, Target> chain;
         MarkovState<Value> proposal;  ///< kept for its memory
@@ -128,6 +140,39 @@ class MetropolisSampler {
     void addSteering(const std::vector<UniformSample>& visible, size_t drawn) {
         for (const UniformSample& s : visible) steeringSum_ += s.size;
         steeringDrawn_ += drawn;
+    }
+
+    /// Lets the kernels learn their steps, on chains that start from these samples.
+    template <class Evaluate>
+    void train(const std::vector<UniformSample>& visible, Evaluate&& evaluate) {
+        if (visible.empty() || options_.trainingMutations == MutationKernel::kAlways) return;
+        StartPool starts(lanes_.size());
+        starts.add(visible, visible.size(), rng_);
+        parallelFor(lanes_.size(), [&](size_t i) {
+            Lane& lane = lanes_[i];
+            if (lane.chain.kernel().settled()) return;
+            uniformSample(evaluate, lane.chain.state(), starts.key(i));
+            const double largeStep = std::min(options_.largeStep, 0.5);  // else it may take for ever
+            while (!lane.chain.kernel().settled()) {
+                const Proposed p = propose(lane, largeStep, evaluate);
+                lane.chain.decide(p.acceptance, lane.proposal, lane.rng, !p.large);
+            }
+        });
+    }
+
+    struct Proposed {
+        bool large;
+        uint64_t key;  ///< of a large step
+        double acceptance;
+    };
+    /// A small step or, with this probability, a large one, to lane.proposal.
+    template <class Evaluate>
+    Proposed propose(Lane& lane, double largeStep, Evaluate&& evaluate) {
+        const bool large = lane.rng.nextDouble() < largeStep;
+        const uint64_t key = lane.rng.nextBits();
+        return {large, key,
+                large ? lane.chain.proposeUniform(evaluate, lane.proposal, key)
+                      : lane.chain.propose(evaluate, lane.proposal, lane.rng)};
     }
 
     /// Draws uniform samples; `use` sees those with F > 0, which are returned in a fixed order.
@@ -193,10 +238,7 @@ class MetropolisSampler {
         };
         for (size_t step = 0; step < steps; ++step) {
             MarkovState<Value>& proposal = lane.proposal;
-            const bool large = lane.rng.nextDouble() < options_.largeStep;
-            const uint64_t key = lane.rng.nextBits();
-            const double a = large ? chain.proposeUniform(evaluate, proposal, key)
-                                   : chain.propose(evaluate, proposal, lane.rng);
+            const auto [large, key, a] = propose(lane, options_.largeStep, evaluate);
             const double size = proposal.value.size;
             proposal.weight = a * mix.contributionWeight(size) + (large ? mix.uniformWeight(size) : 0);
             chain.state().weight += (1 - a) * mix.contributionWeight(chain.state().value.size);

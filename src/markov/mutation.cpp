@@ -1,28 +1,27 @@
 #include "markov/mutation.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace metrolux {
 
+float MutationKernel::mutated(float x, CounterRng& rng) const {
+    // Both branches of eq. 4, and of [Kel02]'s, are a function of a uniform number, with a sign.
+    const float xi = rng.next1D();
+    const float uniform = xi < 0.5f ? 2.0f * xi : 2.0f * xi - 1.0f;
+    float magnitude;
+    if (kind_ == Kind::Adaptive) {
+        magnitude = std::pow(uniform, static_cast<float>(1.0 / theta_));
+    } else {
+        constexpr float kLargest = 1.0f / 64, kLogRatio = 4 * std::numbers::ln2_v<float>;  // to 1/1024
+        magnitude = kLargest * std::exp(-kLogRatio * uniform);
+    }
+    return wrapUnit(xi < 0.5f ? x + magnitude : x - magnitude);
+}
+
 void MutationKernel::mutate(const PrimarySample& from, PrimarySample& to, CounterRng& rng) const {
     to.resize(from.size());
-    if (kind_ == Kind::Adaptive) {
-        const float exponent = static_cast<float>(1.0 / theta_);
-        for (size_t i = 0; i < from.size(); ++i) {
-            // Both branches of eq. 4 are a power of a uniform number with a sign.
-            const float xi = rng.next1D();
-            const float magnitude = std::pow(xi < 0.5f ? 2.0f * xi : 2.0f * xi - 1.0f, exponent);
-            to[i] = wrapUnit(xi < 0.5f ? from[i] + magnitude : from[i] - magnitude);
-        }
-        return;
-    }
-    constexpr float kSmallest = 1.0f / 1024, kLargest = 1.0f / 64;
-    const float logRatio = std::log(kLargest / kSmallest);
-    for (size_t i = 0; i < from.size(); ++i) {
-        const float xi = rng.next1D();
-        const float magnitude = kLargest * std::exp(-logRatio * (xi < 0.5f ? 2.0f * xi : 2.0f * xi - 1.0f));
-        to[i] = wrapUnit(xi < 0.5f ? from[i] + magnitude : from[i] - magnitude);
-    }
+    for (size_t i = 0; i < from.size(); ++i) to[i] = mutated(from[i], rng);
 }
 
 void MutationKernel::shareTheta(const std::vector<MutationKernel*>& kernels) {
@@ -32,9 +31,10 @@ void MutationKernel::shareTheta(const std::vector<MutationKernel*>& kernels) {
 }
 
 void MutationKernel::adapt(bool accepted) {
+    const bool adapts = !settled();
     ++tried_;
     accepted_ += accepted;
-    if (kind_ != Kind::Adaptive) return;
+    if (!adapts) return;
     theta_ += (acceptance() - kGoalAcceptance) / static_cast<double>(tried_);
     theta_ = std::clamp(theta_, kMinimalTheta, kMaximalTheta);
 }

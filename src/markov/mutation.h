@@ -2,6 +2,7 @@
 #include "base/rng.h"
 #include "markov/primary_sample.h"
 
+#include <limits>
 #include <vector>
 
 namespace metrolux {
@@ -19,12 +20,22 @@ class MutationKernel {
     /// stands still.
     static constexpr double kMinimalTheta = 0.02, kMaximalTheta = 1.0;
 
-    explicit MutationKernel(Kind kind = Kind::Adaptive) : kind_(kind) {}
+    static constexpr uint64_t kAlways = std::numeric_limits<uint64_t>::max();
 
+    /// theta adapts to the first `adaptations` decisions. While it does, the chain has another distribution
+    /// than its target: where it stays it learns small steps, and stays longer. How much, falls as one over
+    /// their number.
+    explicit MutationKernel(Kind kind = Kind::Adaptive, uint64_t adaptations = kAlways)
+        : kind_(kind), adaptations_(adaptations) {}
+
+    /// The mutated coordinate x.
+    float mutated(float x, CounterRng& rng) const;
     /// Writes the mutated copy of `from` to `to`.
     void mutate(const PrimarySample& from, PrimarySample& to, CounterRng& rng) const;
     /// Eq. 5, after each decision.
     void adapt(bool accepted);
+    /// theta will not change any more.
+    bool settled() const { return kind_ != Kind::Adaptive || tried_ >= adaptations_; }
 
     /// Gives all of them the mean theta.
     static void shareTheta(const std::vector<MutationKernel*>& kernels);
@@ -36,6 +47,7 @@ class MutationKernel {
 
   private:
     Kind kind_;
+    uint64_t adaptations_;
     double theta_ = kMaximalTheta;
     uint64_t tried_ = 0, accepted_ = 0;
 };

@@ -9,8 +9,9 @@ namespace metrolux {
 /// A point of primary sample space: the coordinates that have been asked for so far.
 using PrimarySample = std::vector<float>;
 
-/// Reads a PrimarySample; coordinates beyond its end are drawn uniformly and appended. That is exact: no
-/// state of the chain has used them yet, so that they are uniform and independent of everything.
+/// Reads a PrimarySample; coordinates beyond its end are drawn uniformly and appended. For samples that are
+/// no mutations: nothing has depended on such coordinates yet, so that they are uniform. MutatedStream reads
+/// mutations.
 class PrimarySampleStream final : public SampleStream {
   public:
     PrimarySampleStream(PrimarySample& u, CounterRng& rng) : u_(u), rng_(rng) {}

@@ -9,6 +9,7 @@
 #include <ctime>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 namespace metrolux::test {
 
@@ -19,11 +20,13 @@ class RenderableScene {
         : RenderableScene(loadScene(file, options)) {}
 
     /// Mean of `passes` passes, 3 floats a pixel. `radiusFactor`: merging radius as a multiple of the
-    /// default.
+    /// default. `kernel`: mutation of the chains; absent: the integrator's own.
     std::vector<float> render(const std::string& integrator, int passes, uint64_t seed,
-                              double radiusFactor = 1) const {
+                              double radiusFactor = 1,
+                              std::optional<MutationKernel::Kind> kernel = {}) const {
         IntegratorOptions options;
         options.seed = seed;
+        options.kernel = kernel;
         options.limits = limits_;
         if (radiusFactor != 1) options.radius = radiusFactor * projectedPixelRadius(*scene_, options);
         Film film(scene_->camera().window(), filter_);
@@ -38,10 +41,12 @@ class RenderableScene {
     int pixelCount() const { return width() * height(); }
     /// The same for seeds first, first + 1 ..., which share the processors.
     std::vector<std::vector<float>> renderSeeds(const std::string& integrator, int passes, uint64_t first,
-                                                int count, double radiusFactor) const {
+                                                int count, double radiusFactor,
+                                                std::optional<MutationKernel::Kind> kernel = {}) const {
         std::vector<std::vector<float>> images(count);
-        parallelFor(count,
-                    [&](size_t i) { images[i] = render(integrator, passes, first + i, radiusFactor); });
+        parallelFor(count, [&](size_t i) {
+            images[i] = render(integrator, passes, first + i, radiusFactor, kernel);
+        });
         return images;
     }
     /// Number of edges of the longest path; -1: no limit.

@@ -155,6 +155,31 @@ TEST(Chain, KelemenChainsKeepTheTarget) {
                 << t.name;
 }
 
+TEST(Chain, KeepsATargetOfWhichOnlyAPartNeedsASecondCoordinate) {
+    // Half of the mass is dim and needs one coordinate, half is a spot of the second. Exact start. Chains
+    // whose states were given new second coordinates for each proposal ended in the spot with 0.526 +- 0.002.
+    constexpr int kChains = 60000, kSteps = 200;
+    const auto evaluate = [](SampleStream& stream, Point& p) {
+        stream.seek(0);
+        if (stream.next1D() < 0.5f)
+            p.density = 0.2;
+        else
+            p.density = stream.next1D() < 0.05f ? 4.0 : 0.0;
+    };
+    std::vector<double> ends(2);
+    for (int i = 0; i < kChains; ++i) {
+        CounterRng rng(hashKey(14, i));
+        Chain chain(Density{}, Kind::Kelemen);
+        MarkovState<Point> proposal;
+        do uniformSample(evaluate, chain.state(), rng.nextBits());
+        while (rng.nextDouble() * 4 >= chain.state().value.density);
+        for (int step = 0; step < kSteps; ++step)
+            chain.decide(chain.propose(evaluate, proposal, rng), proposal, rng);
+        ++ends[chain.state().value.density > 1];
+    }
+    EXPECT_GT(chiSquarePValue(ends), kLevel) << ends[1] / kChains;
+}
+
 TEST(Chain, KelemenChainsReachATargetWithinTheirReach) {
     // Steps of 0.0066 (root mean square) cross the unit circle in some thousand: no holes, and long chains.
     const Target smooth = {"smooth", 1,

@@ -114,6 +114,54 @@ TEST(MetropolisSampler, WithoutStartUpWeightsTheBiasWouldBeSeen) {
     EXPECT_LT(naive.pValue(kIntegral[1]), kLevel);
 }
 
+/// The spot needs a second coordinate, the dim rest of the line does not, so that chains meet coordinates
+/// that their state has not got.
+void evaluateRagged(SampleStream& stream, Value& v) {
+    stream.seek(0);
+    const bool dim = stream.next1D() < 0.5f;
+    v.pixels = {dim ? 1.5 : 0.0, !dim && stream.next1D() < 0.05f ? 12.0 : 0.0};
+    v.size = v.pixels[0] + v.pixels[1];
+}
+constexpr std::array<double, 2> kRaggedIntegral{0.75, 0.3};
+
+/// Moments of what a call of 160 steps returns.
+std::array<Moments, 2> raggedIntegral(Kind kind, double largeStep, uint64_t training, int replicates) {
+    std::array<Moments, 2> moments;
+    for (int r = 0; r < replicates; ++r) {
+        MetropolisOptions o = options(hashKey(13, r), largeStep, kind);
+        o.trainingMutations = training;
+        Sampler sampler(o);
+        std::array<double, 2> sum{};
+        tbb::task_arena serial(1);
+        serial.execute([&] {
+            sampler.integrate(160, evaluateRagged, [&](const Value& v, double weight) {
+                for (int k = 0; k < 2; ++k) sum[k] += weight * v.pixels[k];
+            });
+        });
+        for (int k = 0; k < 2; ++k) moments[k].add(sum[k]);
+    }
+    return moments;
+}
+
+class Ragged : public testing::TestWithParam<std::tuple<Kind, double>> {};
+
+TEST_P(Ragged, UnbiasedWhereSomePathsNeedMoreCoordinates) {
+    const auto [kind, largeStep] = GetParam();
+    const auto moments = raggedIntegral(kind, largeStep, 64, 20000);
+    for (int k = 0; k < 2; ++k)
+        EXPECT_GT(moments[k].pValue(kRaggedIntegral[k]), kLevel)
+            << "pixel " << k << ": " << moments[k].sum / moments[k].n << ", expected " << kRaggedIntegral[k];
+}
+
+INSTANTIATE_TEST_SUITE_P(KernelsAndLargeSteps, Ragged,
+                         testing::Combine(testing::Values(Kind::Kelemen, Kind::Adaptive),
+                                          testing::Values(0.0, 0.3)));
+
+TEST(MetropolisSampler, AdaptingWhileItCountsWouldBeSeen) {
+    const auto moments = raggedIntegral(Kind::Adaptive, 0, MutationKernel::kAlways, 20000);
+    EXPECT_LT(moments[1].pValue(kRaggedIntegral[1]), kLevel);
+}
+
 TEST(MetropolisSampler, PaysOutEveryMutationOnceTheLastStateIncluded) {
     // Weights are normalisation / (n F): times F, each of the n mutations pays one n-th of the normalisation,
     // shared by the proposal and the state.

@@ -11,7 +11,8 @@
 namespace metrolux::app {
 
 struct RenderArguments {
-    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel, method = "B";
+    std::string scene, time, memory, sceneMemory, resolution, crop, curve = "srgb", stats, filter, kernel,
+                                                                    method = "B";
     std::vector<std::string> outputs, defines, aovs;
     SessionOptions session;
     int threads = 0;
@@ -19,7 +20,7 @@ struct RenderArguments {
     bool lenient = false, quiet = false;
 };
 
-/// --define, --resolution, --crop, --filter, --lenient.
+/// --define, --resolution, --crop, --filter, --scene-memory, --lenient.
 void addSceneOptions(CLI::App& app, RenderArguments& a);
 /// --integrator and everything that changes what it computes.
 void addAlgorithmOptions(CLI::App& app, RenderArguments& a);

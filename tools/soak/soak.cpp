@@ -12,15 +12,20 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
+#include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <poll.h>
+#include <string>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <vector>
 
 namespace metrolux::soak {
 namespace {
@@ -183,13 +188,13 @@ class Supervisor {
 
     void hear(const nlohmann::json& message) {
         if (message.contains("scene")) {
-            next_ = message["scene"];
+            next_ = message["scene"].get<uint64_t>();
             integrator_ = "loading";
         } else if (message.contains("begin")) {
-            integrator_ = message["begin"];
+            integrator_ = message["begin"].get<std::string>();
         } else if (message.contains("rendered")) {
             ++renders_;
-            if (message["bad_values"] != 0)
+            if (message["bad_values"].get<int64_t>() != 0)
                 problem(fmt::format("{} values not finite", message["bad_values"].dump()));
             for (const auto& [technique, count] : message["rejected"].items())
                 rejected_[technique] += count.get<uint64_t>();
@@ -198,7 +203,7 @@ class Supervisor {
             fmt::print("scene {} refused: {}\n", next_, message["refused"].get<std::string>());
         } else if (message.contains("done")) {
             ++scenes_;
-            resident_.push_back(message["resident_bytes"]);
+            resident_.push_back(message["resident_bytes"].get<uint64_t>());
         } else {
             finished_ = true;
             integrator_ = "end";

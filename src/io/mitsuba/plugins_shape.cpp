@@ -1,5 +1,6 @@
 /// Shapes: Mitsuba 3's plugins, parameters and defaults.
 
+#include "geometry/affine.h"
 #include "io/mesh_io.h"
 #include "io/mitsuba/context.h"
 #include "scattering/diffuse.h"
@@ -182,8 +183,12 @@ void addInstance(const Element& element, LoadContext& context, SceneParts& parts
     if (!element.childrenOf("emitter").empty()) throw element.error("an instance cannot be an emitter");
     if (!element.childrenOf("bsdf").empty())
         throw element.error("an instance has the materials of its shapegroup, and none of its own");
-    withLocation(element, [&] { context.memory.take(kInstanceBytes, "the instance"); });
-    parts.instances.push_back({makeGroup(*child, context), element.transform("to_world")});
+    const Transform toWorld = element.transform("to_world");
+    withLocation(element, [&] {
+        context.memory.take(kInstanceBytes, "the instance");
+        const Affine checked(toWorld);
+    });
+    parts.instances.push_back({makeGroup(*child, context), toWorld});
     element.checkAllUsed(context.lenient, context.warnings);
 }
 

@@ -339,6 +339,12 @@ const std::vector<Malformed> kPlugins = {
      world("<shape type=\"ply\"><string name=\"filename\" value=\"a.ply\"/><emitter type=\"area\"/></shape>"),
      {"scene.xml:4"},
      {{"a.ply", kAscii + "0 0 0\n0 0 0\n0 0 0\n3 0 1 2\n"}}},
+    {"projective_instance",
+     world(
+         "<shape type=\"shapegroup\" id=\"g\"><shape type=\"cube\"/></shape>\n<shape type=\"instance\"><ref "
+         "id=\"g\"/><transform name=\"to_world\"><matrix value=\"1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1\"/>"
+         "</transform></shape>"),
+     {"scene.xml:5", "<shape type=\"instance\">", "affine"}},
     {"two_environments",
      world("<emitter type=\"constant\"/>\n<emitter type=\"constant\"/>"),
      {"scene.xml:5", "environment", "scene.xml:4"}},
@@ -421,6 +427,13 @@ const std::vector<Malformed> kLimits = {
      world(doublingTextures(60)),
      {"scene.xml:", "<texture type=\"checkerboard\"", "4096 parts"}},
     {"long_chain_of_aliases", world(aliases(5000)), {"scene.xml:5", "<ref id=\"a5000\">", "256 aliases"}},
+    {"memory_for_the_film",
+     film("<integer name=\"width\" value=\"1000\"/><integer name=\"height\" value=\"1000\"/>"),
+     {"scene.xml:2", "<film type=\"hdrfilm\">", "an image of 1000 x 1000 pixels would take 122.1 MiB"},
+     {},
+     nullptr,
+     {},
+     64 << 20},
     {"memory_for_elements",
      world(repeated("<bsdf type=\"diffuse\"/>\n", 1000)),
      {"scene.xml:", "<bsdf type=\"diffuse\">", "would take", "256.0 KiB"},

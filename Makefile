@@ -3,7 +3,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 BUILD := build
 PACKAGES := $(shell cat packages.txt)
 
-.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery study format tidy clean integrator-pictures
+.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery study format tidy clean integrator-pictures sanitize thread-test fuzz soak
 
 setup:
 	@dpkg-query -W -f='$${Status}\n' $(PACKAGES) 2>/dev/null | grep -c '^install ok installed$$' | \
@@ -45,6 +45,33 @@ debug-test: setup
 	cmake --preset debug
 	cmake --build --preset debug
 	ctest --preset debug
+
+# A part of the tests under the thread sanitizer, what several threads work on.
+THREAD_TESTS := Film|ImageIo|ReplicaLanes|EyePass|LightPass|Merge|PhotonDensity|VertexGrid|EachIntegrator|Session|PassLoop
+thread-test: setup
+	cmake --preset thread
+	cmake --build --preset thread --target metrolux_command test_unit_image test_unit_markov test_unit_transport \
+	  test_unit_integrators test_unit_render
+	ctest --preset thread -R '$(THREAD_TESTS)'
+
+# All tests with the address and undefined-behaviour sanitizers, and a part of them with the thread sanitizer.
+sanitize: debug-test thread-test
+
+# libFuzzer on each parser, FUZZ_SECONDS each (needs clang).
+FUZZ_SECONDS := 300
+FUZZ_TARGETS := obj ply serialized spectrum image scene
+fuzz: setup
+	cmake --preset fuzz
+	cmake --build --preset fuzz --target $(FUZZ_TARGETS:%=fuzz_%)
+	for target in $(FUZZ_TARGETS); do fuzz/run.sh $(FUZZ_BUILD) $$target $(FUZZ_SECONDS) || exit 1; done
+FUZZ_BUILD := build-fuzz
+
+# Random scenes through all integrators with the address and undefined-behaviour sanitizers.
+SOAK_SECONDS := 1800
+soak: setup
+	cmake --preset debug
+	cmake --build --preset debug --target metrolux_soak
+	nice -n 10 build-debug/tools/soak/metrolux_soak --seconds $(SOAK_SECONDS) --report soak.json
 
 gallery: build
 	tools/gallery.sh

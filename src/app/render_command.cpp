@@ -4,6 +4,7 @@
 #include "app/render_options.h"
 #include "app/validators.h"
 #include "base/error.h"
+#include "base/memory_budget.h"
 #include "base/suggest.h"
 #include "image/atomic_file.h"
 #include "io/scene_loader.h"
@@ -11,8 +12,6 @@
 #include "render/threads.h"
 
 #include <spdlog/spdlog.h>
-
-#include <unistd.h>
 
 namespace metrolux::app {
 namespace {
@@ -96,6 +95,10 @@ void addSceneOptions(CLI::App& app, RenderArguments& a) {
                    "Reconstruction filter in place of the scene's, with its default width:\nbox, tent, "
                    "gaussian, mitchell, catmullrom, lanczos")
         ->option_text("NAME")
+        ->group(group);
+    app.add_option("--scene-memory", a.sceneMemory,
+                   "What the scene's data may take: 4G, 512M (default: the machine's memory)")
+        ->option_text("SIZE")
         ->group(group);
     app.add_flag("--lenient", a.lenient,
                  "Warn of unknown plugins and parameters instead of refusing the scene")
@@ -200,11 +203,6 @@ void addMachineOptions(CLI::App& app, RenderArguments& a) {
 
 namespace {
 
-size_t halfOfPhysicalMemory() {
-    const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGE_SIZE);
-    return pages > 0 && size > 0 ? static_cast<size_t>(pages) / 2 * static_cast<size_t>(size) : 0;
-}
-
 void checkReplicas(const std::string& replicas) {
     if (replicas.empty() || replicas.find_first_not_of("uvf") != std::string::npos)
         throw Error("--replicas {}: expected some of the letters u, v and f", replicas);
@@ -236,7 +234,7 @@ void checkIntegratorName(const std::string& name) {
 
 void prepareAlgorithm(RenderArguments& a) {
     IntegratorOptions& options = a.session.integratorOptions;
-    options.memoryBytes = a.memory.empty() ? halfOfPhysicalMemory() : parseMemory(a.memory);
+    options.memoryBytes = a.memory.empty() ? physicalMemoryBytes() / 2 : parseMemory(a.memory);
     if (options.replicas) checkReplicas(*options.replicas);
     if (!a.kernel.empty())
         options.kernel =
@@ -270,6 +268,7 @@ LoadOptions loadOptions(const RenderArguments& a) {
     LoadOptions options;
     options.defines = parseDefines(a.defines);
     options.lenient = a.lenient;
+    if (!a.sceneMemory.empty()) options.memoryBytes = parseMemory(a.sceneMemory);
     if (!a.resolution.empty()) {
         const Size size = parseResolution(a.resolution);
         options.width = size.width;

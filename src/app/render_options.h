@@ -11,9 +11,8 @@
 namespace metrolux::app {
 
 struct RenderArguments {
-    std::string scene, time, memory, resolution, crop, curve = "srgb", stats, filter, kernel, method = "B",
-                                                       split, target = "luminance", normalisation = "pooled",
-                                                       theta = "lane";
+    std::string scene, time, memory, sceneMemory, resolution, crop, stats, filter, kernel, split;
+    std::string curve = "srgb", method = "B", target = "luminance", normalisation = "pooled", theta = "lane";
     std::vector<std::string> outputs, defines, aovs;
     SessionOptions session;
     int threads = 0;
@@ -21,7 +20,7 @@ struct RenderArguments {
     bool lenient = false, quiet = false;
 };
 
-/// --define, --resolution, --crop, --filter, --lenient.
+/// --define, --resolution, --crop, --filter, --scene-memory, --lenient.
 void addSceneOptions(CLI::App& app, RenderArguments& a);
 /// --integrator and everything that changes what it computes.
 void addAlgorithmOptions(CLI::App& app, RenderArguments& a);

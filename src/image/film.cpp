@@ -1,6 +1,7 @@
 #include "image/film.h"
 
 #include "base/error.h"
+#include "base/memory_budget.h"
 #include "image/blocking.h"
 #include "image/fixed_point.h"
 
@@ -55,6 +56,11 @@ Film::Film(const FilmWindow& window, const ReconstructionFilter& filter) : windo
     if (static_cast<int64_t>(window.width) * window.height > kMostPixels)
         throw Error("film: {}x{} pixels are more than the largest image of {}", window.width, window.height,
                     kMostPixels);
+    const uint64_t bytes = static_cast<uint64_t>(window.pixelCount()) *
+                           (sizeof(Implementation::Pixel) + FixedPointImage::kPixelBytes);
+    // Memory that is promised and not there would have the system end the process in the middle of a pass.
+    if (const uint64_t machine = physicalMemoryBytes(); machine > 0)
+        MemoryBudget(machine).require(bytes, fmt::format("film: {}x{} pixels", window.width, window.height));
     implementation_ = std::make_shared<Implementation>(window.pixelCount());
 }
 

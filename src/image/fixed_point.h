@@ -44,6 +44,11 @@ class FixedPointImage {
 
   private:
     static constexpr size_t kChannels = 3, kRanges = 3;
+
+  public:
+    static constexpr size_t kPixelBytes = kChannels * kRanges * sizeof(std::atomic<int64_t>);
+
+  private:
     static constexpr double kUpperBound[kRanges - 1] = {0x1p-12, 0x1p12};
     static constexpr double kUnitsPerOne[kRanges] = {0x1p52, 0x1p28, 0x1p4};
 

@@ -6,6 +6,9 @@
 #include <OpenImageIO/imageio.h>
 
 #include <array>
+#include <cctype>
+#include <fstream>
+#include <string_view>
 
 namespace metrolux {
 namespace {
@@ -17,26 +20,86 @@ constexpr uint64_t kMostValues = uint64_t{1} << 29;  // 2 GiB of floats
 /// CIE xy of red, green, blue and white: ITU-R BT.709 with D65.
 constexpr float kRec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
 
+/// No compression of the formats read here shrinks an image of more than kFreeBytes by more than this factor
+/// (EXR's PIZ of a black image comes near).
+constexpr uint64_t kMostExpansion = 1 << 16;
+constexpr uint64_t kFreeBytes = uint64_t{64} << 20;
+
+struct Signature {
+    std::string_view bytes;
+    const char* reader;  ///< OpenImageIO's name
+};
+using namespace std::string_view_literals;
+constexpr Signature kSignatures[] = {
+    {"\x76\x2f\x31\x01"sv, "openexr"},
+    {"\x89PNG\r\n\x1a\n"sv, "png"},
+    {"\xff\xd8\xff"sv, "jpeg"},
+    {"#?"sv, "hdr"},
+    {"BM"sv, "bmp"},
+    {"II*\0"sv, "tiff"},
+    {"MM\0*"sv, "tiff"},
+    {"II+\0"sv, "tiff"},
+    {"MM\0+"sv, "tiff"},
+    {"P1"sv, "pnm"},
+    {"P2"sv, "pnm"},
+    {"P3"sv, "pnm"},
+    {"P4"sv, "pnm"},
+    {"P5"sv, "pnm"},
+    {"P6"sv, "pnm"},
+    {"PF"sv, "pnm"},
+    {"Pf"sv, "pnm"},
+};
+
+/// OpenImageIO's name of the reader for a file; null if it is none of the formats.
+const char* readerFor(const fs::path& file) {
+    std::array<char, 16> head{};
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(head.data(), head.size());
+    const std::string_view found(head.data(), static_cast<size_t>(stream.gcount()));
+    for (const Signature& s : kSignatures)
+        if (found.starts_with(s.bytes)) return s.reader;
+    std::string extension = file.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension == ".tga" && !found.empty() ? "targa" : nullptr;
+}
+
+void checkSize(const fs::path& file, const OIIO::ImageSpec& spec) {
+    const uint64_t values = static_cast<uint64_t>(std::max(spec.width, 0)) *
+                            static_cast<uint64_t>(std::max(spec.height, 0)) *
+                            static_cast<uint64_t>(std::max(spec.nchannels, 0));
+    if (values == 0) throw Error("cannot read image '{}': it has no pixels", file.string());
+    if (spec.width > kLargestSide || spec.height > kLargestSide || values > kMostValues)
+        throw Error(
+            "cannot read image '{}': {}x{} pixels of {} channels is more than the largest size of {} values",
+            file.string(), spec.width, spec.height, spec.nchannels, kMostValues);
+    std::error_code code;
+    const uint64_t fileSize = fs::file_size(file, code);
+    const uint64_t bytes = values * spec.format.size();
+    if (bytes > kFreeBytes && !code && bytes / kMostExpansion > fileSize)
+        throw Error("cannot read image '{}': {}x{} pixels of {} channels are {}, which its {} cannot hold",
+                    file.string(), spec.width, spec.height, spec.nchannels, sizeText(bytes),
+                    sizeText(fileSize));
+}
+
 std::unique_ptr<OIIO::ImageInput> openImage(const fs::path& file) {
     std::error_code code;
     if (!fs::exists(file, code)) throw Error("cannot read image '{}': there is no such file", file.string());
     if (fs::is_directory(file, code)) throw Error("cannot read image '{}': it is a folder", file.string());
     OIIO::ImageSpec request;
     request.attribute("oiio:UnassociatedAlpha", 1);
-    auto input = OIIO::ImageInput::open(file.string(), &request);
+    const char* reader = readerFor(file);
+    if (!reader)
+        throw Error("cannot read image '{}': expected EXR, HDR, PNG, JPEG, BMP, TGA, TIFF, PFM or PPM",
+                    file.string());
+    auto input = OIIO::ImageInput::create(reader);
     if (!input) throw Error("cannot read image '{}': {}", file.string(), OIIO::geterror());
-
-    const OIIO::ImageSpec& spec = input->spec();
+    OIIO::ImageSpec spec;
+    if (!input->open(file.string(), spec, request))
+        throw Error("cannot read image '{}': {}", file.string(), input->geterror());
     if (spec.deep)
         throw Error("cannot read image '{}': it has deep pixels, expected flat ones", file.string());
     if (spec.depth > 1) throw Error("cannot read image '{}': it is a volume", file.string());
-    const uint64_t values = static_cast<uint64_t>(std::max(spec.width, 0)) * std::max(spec.height, 0) *
-                            std::max(spec.nchannels, 0);
-    if (values == 0) throw Error("cannot read image '{}': it has no pixels", file.string());
-    if (spec.width > kLargestSide || spec.height > kLargestSide || values > kMostValues)
-        throw Error(
-            "cannot read image '{}': {}x{} pixels of {} channels is more than the largest size of {} values",
-            file.string(), spec.width, spec.height, spec.nchannels, kMostValues);
+    checkSize(file, spec);
     return input;
 }
 
@@ -46,6 +109,18 @@ std::vector<float> readChannels(OIIO::ImageInput& input, const fs::path& file) {
     if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()))
         throw Error("cannot read image '{}': {}", file.string(), input.geterror());
     return pixels;
+}
+
+/// Books the pixels to be kept, for which there must be room besides the file's.
+void bookImage(const fs::path& file, const OIIO::ImageSpec& spec, size_t channels, MemoryBudget* memory) {
+    if (!memory) return;
+    const uint64_t pixels = static_cast<uint64_t>(spec.width) * static_cast<uint64_t>(spec.height);
+    try {
+        memory->take(pixels * channels * sizeof(float), "the image");
+        memory->require(pixels * static_cast<uint64_t>(spec.nchannels) * sizeof(float), "reading the image");
+    } catch (const Error& error) {
+        throw Error("cannot read image '{}': {}", file.string(), error.what());
+    }
 }
 
 /// The given channels of interleaved pixels.
@@ -116,7 +191,7 @@ uint8_t toByte(float display) {
 
 }  // namespace
 
-ImageData readImage(const fs::path& file, bool raw) {
+ImageData readImage(const fs::path& file, bool raw, MemoryBudget* memory) {
     const auto input = openImage(file);
     const OIIO::ImageSpec& spec = input->spec();
     ImageData image;
@@ -124,6 +199,7 @@ ImageData readImage(const fs::path& file, bool raw) {
     image.height = spec.height;
     const std::vector<int> selection = imageChannels(spec);
     image.channels = static_cast<int>(selection.size());
+    bookImage(file, spec, selection.size(), memory);
     image.pixels = readChannels(*input, file);
     if (image.channels != spec.nchannels)
         image.pixels = selectChannels(image.pixels, spec.nchannels, selection);

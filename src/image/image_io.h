@@ -1,4 +1,5 @@
 #pragma once
+#include "base/memory_budget.h"
 #include "image/tonemap.h"
 
 #include <filesystem>
@@ -19,13 +20,16 @@ struct ImageData {
     }
 };
 
-/// Reads EXR, HDR, PNG, JPEG, BMP, TGA and what else OpenImageIO knows. Thread-safe.
+/// Reads EXR, HDR, PNG, JPEG, BMP, TGA, TIFF, PFM and PPM. Thread-safe. Which of them a file is, its first
+/// bytes say (TGA has none: there it is the name). OpenImageIO's other readers, of video for example, are
+/// never asked: what such a file names may be on another machine.
 ///
 /// 1 channel is grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha; alpha is not multiplied into the colours, nor
 /// divided out of them. Of a file with more channels R, G, B and A are taken. Integer pixels become linear
 /// (sRGB decoded) unless `raw`, which only scales them to [0, 1]; floating-point pixels are as in the file.
-/// Throws Error naming the file.
-ImageData readImage(const std::filesystem::path& file, bool raw);
+/// Throws Error naming the file. The size is checked against the file's and against `memory`, where the
+/// pixels are booked, before anything is allocated.
+ImageData readImage(const std::filesystem::path& file, bool raw, MemoryBudget* memory = nullptr);
 
 /// More channels of an EXR, named "name.channel".
 struct ImageLayer {

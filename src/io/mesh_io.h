@@ -2,6 +2,7 @@
 /// Readers of mesh files. All of them check what a file declares against its size before they allocate, and
 /// throw Error with the file's name, what was found and what was expected.
 
+#include "base/memory_budget.h"
 #include "base/transform.h"
 #include "geometry/shape.h"
 
@@ -15,7 +16,8 @@ struct MeshOptions {
     bool flipNormals = false;  ///< turn the surface inside out
     bool faceNormals =
         false;  ///< drop the file's vertex normals; without, they are computed where the file has none
-    bool flipTexCoords = false;  ///< v becomes 1 - v
+    bool flipTexCoords = false;      ///< v becomes 1 - v
+    MemoryBudget* memory = nullptr;  ///< what the mesh is booked on; null: no bound
 };
 
 /// Wavefront OBJ: all faces of the file as one mesh, polygons as triangle fans. Groups and materials are
@@ -34,8 +36,11 @@ std::shared_ptr<TriangleMesh> readSerialized(const std::filesystem::path& path, 
 
 // What the readers share.
 
-/// The whole file.
-std::string readMeshFile(const std::filesystem::path& path);
+/// The whole file, if there is memory for it.
+std::string readMeshFile(const std::filesystem::path& path, const MeshOptions& options);
+/// Throws Error unless `count` of `what`, of so many bytes each, fit the memory that is left.
+void requireMemory(const std::filesystem::path& path, const MeshOptions& options, uint64_t count,
+                   uint64_t bytesEach, std::string_view what);
 
 /// Takes a mesh in object space to the world, settles its normals and finalizes it.
 void finishMesh(TriangleMesh& mesh, const std::filesystem::path& path, const MeshOptions& options);

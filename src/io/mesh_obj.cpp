@@ -68,6 +68,8 @@ void checkLines(const fs::path& path, std::string& text) {
 /// here.
 class Builder {
   public:
+    explicit Builder(const MeshOptions& options) : options_(options) {}
+
     void addVertex(float x, float y, float z) {
         positions_.emplace_back(x, y, z);
         firstOfPosition_.push_back(kNone);
@@ -77,6 +79,7 @@ class Builder {
 
     void addFace(const tinyobj::index_t* corners, int count) {
         ++faces_;
+        checkMemory(static_cast<uint64_t>(count));
         std::array<uint32_t, 3> triangle{};
         for (int i = 0; i < count && error_.empty(); ++i) {
             const uint32_t vertex = vertexOf(corners[i]);
@@ -90,11 +93,11 @@ class Builder {
         }
     }
 
-    std::shared_ptr<TriangleMesh> finish(const fs::path& path, const MeshOptions& options) {
+    std::shared_ptr<TriangleMesh> finish(const fs::path& path) {
         if (!error_.empty()) throw Error("{}: {}", path.string(), error_);
         if (normals_.empty()) mesh_->normals.clear();
         if (texCoords_.empty()) mesh_->uvs.clear();
-        finishMesh(*mesh_, path, options);
+        finishMesh(*mesh_, path, options_);
         return mesh_;
     }
 
@@ -106,6 +109,19 @@ class Builder {
         int64_t texCoord, normal;
         uint32_t vertex, next;
     };
+
+    /// Vertices of the mesh are combinations of the file's: there can be far more of them.
+    void checkMemory(uint64_t newCorners) {
+        if (!options_.memory || !error_.empty()) return;
+        constexpr uint64_t kCornerBytes = sizeof(Corner) + 2 * sizeof(Vec3f) + sizeof(Vec2f);
+        const uint64_t corners = corners_.size() + newCorners;
+        const uint64_t indices = mesh_->indices.size() + 3 * newCorners;
+        try {
+            options_.memory->require(corners * kCornerBytes + indices * sizeof(uint32_t), "the mesh");
+        } catch (const Error& error) {
+            error_ = error.what();
+        }
+    }
 
     /// Index from 0, or -1 for one that the face does not have. Negative indices count from the end.
     int64_t resolve(int index, size_t count, const char* what) {
@@ -138,6 +154,7 @@ class Builder {
         return vertex;
     }
 
+    const MeshOptions& options_;
     std::shared_ptr<TriangleMesh> mesh_ = std::make_shared<TriangleMesh>();
     std::vector<Vec3f> positions_, normals_;
     std::vector<Vec2f> texCoords_;
@@ -154,9 +171,9 @@ struct MemoryBuffer : std::streambuf {
 }  // namespace
 
 std::shared_ptr<TriangleMesh> readObj(const fs::path& path, const MeshOptions& options) {
-    std::string text = readMeshFile(path);
+    std::string text = readMeshFile(path, options);
     checkLines(path, text);
-    Builder builder;
+    Builder builder(options);
     tinyobj::callback_t callbacks;
     callbacks.vertex_cb = [](void* b, float x, float y, float z, float) {
         static_cast<Builder*>(b)->addVertex(x, y, z);
@@ -175,7 +192,7 @@ std::shared_ptr<TriangleMesh> readObj(const fs::path& path, const MeshOptions& o
     std::string warning, error;
     if (!tinyobj::LoadObjWithCallback(stream, callbacks, &builder, nullptr, &warning, &error))
         throw Error("{}: {}", path.string(), error);
-    return builder.finish(path, options);
+    return builder.finish(path);
 }
 
 }  // namespace metrolux

@@ -82,12 +82,13 @@ float attributeValue(ply::Type type, double value) {
 
 class Reader {
   public:
-    Reader(const fs::path& path, const std::string& file)
+    Reader(const fs::path& path, const std::string& file, const MeshOptions& options)
         : path_(path),
+          options_(options),
           header_(ply::parseHeader(path, file)),
           values_(path, std::string_view(file).substr(header_.size), header_.format) {}
 
-    std::shared_ptr<TriangleMesh> read(const MeshOptions& options) {
+    std::shared_ptr<TriangleMesh> read() {
         bool hasFaces = false;
         for (const Element& element : header_.elements) {
             values_.enter(element);
@@ -105,7 +106,7 @@ class Reader {
             for (const float value : a.values)
                 if (!std::isfinite(value))
                     throw Error("{}: attribute {} is not finite", path_.string(), a.name);
-        finishMesh(*mesh_, path_, options);
+        finishMesh(*mesh_, path_, options_);
         return mesh_;
     }
 
@@ -129,6 +130,12 @@ class Reader {
                 a.attribute.values.push_back(attributeValue(element.properties[c].type, row[c]));
     }
 
+    static uint64_t attributeBytes(const std::vector<AttributeColumns>& attributes) {
+        uint64_t values = 0;
+        for (const AttributeColumns& a : attributes) values += a.columns.size();
+        return values * sizeof(float);
+    }
+
     void takeAttributes(std::vector<AttributeColumns>& attributes) {
         for (AttributeColumns& a : attributes) mesh_->attributes.push_back(std::move(a.attribute));
     }
@@ -150,6 +157,8 @@ class Reader {
             for (const size_t c : *used) reserved.push_back(element.properties[c].name);
         auto attributes = findAttributes(element, reserved);
 
+        requireMemory(path_, options_, element.count, sizeof(Vec3f) + attributeBytes(attributes),
+                      "the vertices");
         mesh_->positions.reserve(element.count);
         std::vector<double> row(element.properties.size());
         const auto at = [&row](size_t c) { return static_cast<float>(row[c]); };
@@ -170,6 +179,8 @@ class Reader {
         if (std::none_of(element.properties.begin(), element.properties.end(), isCorners))
             throw Error("{}: element \"face\" has no list vertex_index or vertex_indices", path_.string());
         auto attributes = findAttributes(element, {});
+        const uint64_t triangleBytes = 3 * sizeof(uint32_t) + attributeBytes(attributes);
+        requireMemory(path_, options_, element.count, triangleBytes, "the faces");
         mesh_->indices.reserve(3 * element.count);
         std::vector<double> row(element.properties.size());
         std::vector<uint32_t> corners;
@@ -190,6 +201,9 @@ class Reader {
             if (corners.size() < 3)
                 throw Error("{}: face {} has {} vertices, expected 3 or more", path_.string(), face,
                             corners.size());
+            // Every triangle of a polygon has all attributes of the face: more than the file holds.
+            requireMemory(path_, options_, mesh_->primitiveCount() + corners.size(), triangleBytes,
+                          "the faces");
             for (size_t i = 2; i < corners.size(); ++i) {
                 mesh_->indices.insert(mesh_->indices.end(), {corners[0], corners[i - 1], corners[i]});
                 append(attributes, element, row);
@@ -205,6 +219,7 @@ class Reader {
     }
 
     const fs::path& path_;
+    const MeshOptions& options_;
     ply::Header header_;
     ply::Values values_;
     std::shared_ptr<TriangleMesh> mesh_ = std::make_shared<TriangleMesh>();
@@ -213,8 +228,8 @@ class Reader {
 }  // namespace
 
 std::shared_ptr<TriangleMesh> readPly(const fs::path& path, const MeshOptions& options) {
-    const std::string file = readMeshFile(path);
-    return Reader(path, file).read(options);
+    const std::string file = readMeshFile(path, options);
+    return Reader(path, file, options).read();
 }
 
 }  // namespace metrolux

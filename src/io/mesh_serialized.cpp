@@ -26,6 +26,7 @@ enum Flags : uint32_t {
 constexpr uint16_t kMagic = 0x041C;
 /// DEFLATE cannot expand by more than this (zlib's technical notes: 1032 to 1).
 constexpr uint64_t kMaxExpansion = 1032;
+constexpr size_t kLongestName = 4096;
 
 template <class T>
 T readAt(const fs::path& path, const std::string& file, uint64_t offset) {
@@ -80,6 +81,13 @@ class Inflater {
         return value;
     }
 
+    /// A text that ends with a zero. No program writes long ones, and it is read byte by byte.
+    void skipName() {
+        for (size_t length = 0; read<char>() != '\0'; ++length)
+            if (length == kLongestName)
+                throw Error("{}: the mesh's name has more than {} bytes", path_.string(), kLongestName);
+    }
+
     /// Refuses counts that the compressed data cannot hold, before memory is allocated for them.
     void expect(uint64_t count, uint64_t bytesEach, const char* what) const {
         if (count > capacity_ / bytesEach)
@@ -130,7 +138,7 @@ uint64_t offsetOfMesh(const fs::path& path, const std::string& file, uint16_t ve
 
 std::shared_ptr<TriangleMesh> readSerialized(const fs::path& path, int shapeIndex,
                                              const MeshOptions& options) {
-    const std::string file = readMeshFile(path);
+    const std::string file = readMeshFile(path, options);
     const auto magic = readAt<uint16_t>(path, file, 0);
     const auto version = readAt<uint16_t>(path, file, 2);
     if (magic != kMagic)
@@ -145,15 +153,17 @@ std::shared_ptr<TriangleMesh> readSerialized(const fs::path& path, int shapeInde
 
     Inflater in(path, file, offset + 4);
     const auto flags = in.read<uint32_t>();
-    if (version == 4)
-        while (in.read<char>() != '\0') {
-        }
+    if (version == 4) in.skipName();
     const auto vertexCount = in.read<uint64_t>(), faceCount = in.read<uint64_t>();
     const bool doublePrecision = (flags & kDoublePrecision) != 0;
     if (vertexCount > 0xFFFFFFFFu)
         throw Error("{}: {} vertices, at most 2^32-1 are supported", path.string(), vertexCount);
     in.expect(vertexCount, doublePrecision ? 24 : 12, "vertices");
     in.expect(faceCount, 12, "faces");
+
+    const bool coloured = (flags & kHasColors) != 0;
+    requireMemory(path, options, vertexCount, coloured ? 48 : 36, "the vertices");
+    requireMemory(path, options, faceCount, 12, "the faces");
 
     auto mesh = std::make_shared<TriangleMesh>();
     mesh->positions = in.vectors<Vec3f, 3>(vertexCount, doublePrecision);

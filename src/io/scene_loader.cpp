@@ -10,7 +10,9 @@ using namespace mitsuba;
 
 class Loader {
   public:
-    Loader(ParsedScene parsed, const LoadOptions& options) : scene_(std::move(parsed)) {
+    Loader(ParsedScene parsed, const LoadOptions& options, const MemoryBudget& memory)
+        : scene_(std::move(parsed)) {
+        context_.memory = memory;
         context_.searchPaths = scene_.searchPaths;
         context_.lenient = options.lenient;
         context_.warnings = std::move(scene_.warnings);
@@ -125,7 +127,12 @@ class Loader {
 }  // namespace
 
 SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options) {
-    return Loader(parseScene(file, options.defines, options.lenient), options).run(file.string());
+    const uint64_t machine = physicalMemoryBytes();
+    MemoryBudget memory = options.memoryBytes > 0 ? MemoryBudget(options.memoryBytes)
+                          : machine > 0           ? MemoryBudget(machine)
+                                                  : MemoryBudget::unlimited();
+    ParsedScene parsed = parseScene(file, options.defines, options.lenient, &memory);
+    return Loader(std::move(parsed), options, memory).run(file.string());
 }
 
 }  // namespace metrolux

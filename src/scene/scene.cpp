@@ -13,7 +13,11 @@ constexpr float kShadowEpsilon = 1e-5f;
 
 Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     if (!parts_.camera) throw Error("{}: the scene has no sensor", parts_.source);
-    intersector_ = std::make_unique<Intersector>(parts_.shapes, parts_.instances);
+    try {
+        intersector_ = std::make_unique<Intersector>(parts_.shapes, parts_.instances);
+    } catch (const Error& error) {
+        throw Error("{}: {}", parts_.source, error.what());
+    }
 
     Vec3f lower, upper;
     intersector_->bounds(lower, upper);

@@ -1,6 +1,7 @@
 #pragma once
 /// What the plugin factories share while a scene is loaded.
 
+#include "base/memory_budget.h"
 #include "endpoint/camera.h"
 #include "endpoint/light.h"
 #include "geometry/shape.h"
@@ -29,6 +30,7 @@ struct LoadContext {
         searchPaths;  ///< <path> elements, the last first; then the scene's folder
     FilmOverride film;
     bool lenient = false;
+    MemoryBudget memory = MemoryBudget::unlimited();  ///< what meshes, images and instances are booked on
     std::vector<std::string> warnings;
     /// Built objects by element, so that a shared <ref> is built once.
     std::unordered_map<const Element*, std::shared_ptr<const void>> built;

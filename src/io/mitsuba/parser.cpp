@@ -16,7 +16,9 @@ namespace fs = std::filesystem;
 
 constexpr size_t kMaxIncludeDepth = 15;  // Mitsuba's limit
 constexpr int kMaxIncludes = 10000;      // files that include each other twice would be read 2^15 times
-constexpr size_t kMaxProperties = 4096;  // of one element: names are compared one by one
+constexpr uint64_t kMaxTextBytes = uint64_t{1} << 30;  // of all of them
+constexpr uint64_t kElementBytes = 1024;               // allowance for what is kept of one
+constexpr size_t kMaxProperties = 4096;                // of one element: names are compared one by one
 
 const std::vector<std::string> kObjectTags = {"integrator", "sensor", "film", "rfilter", "sampler",
                                               "emitter",    "shape",  "bsdf", "texture"};
@@ -38,8 +40,8 @@ struct File {
 
 class Parser {
   public:
-    Parser(const std::map<std::string, std::string>& defines, bool lenient)
-        : parameters_(defines), lenient_(lenient) {}
+    Parser(const std::map<std::string, std::string>& defines, bool lenient, MemoryBudget* memory)
+        : parameters_(defines), lenient_(lenient), memory_(memory) {}
 
     ParsedScene run(const fs::path& file) {
         root_ = std::make_shared<Element>();
@@ -62,6 +64,11 @@ class Parser {
     void readFile(const fs::path& path, Element& parent, const std::string& name, int depth) {
         const Source source(path);
         const pugi::xml_node node = source.root();
+        textBytes_ += source.bytes();
+        if (textBytes_ > kMaxTextBytes)
+            throw nodeError(source, node,
+                            fmt::format("the scene and what it includes have {}, expected at most {}",
+                                        sizeText(textBytes_), sizeText(kMaxTextBytes)));
         const std::string tag = node.name();
         const bool isScene = tag == "scene";
         if (!isScene && (openFiles_.empty() || !contains(kObjectTags, tag)))
@@ -124,6 +131,7 @@ class Parser {
 
     void item(const File& file, pugi::xml_node node, Element& parent, int depth) {
         const std::string tag = node.name();
+        if (memory_) located(file, node, [&] { memory_->take(kElementBytes, "the element"); });
         if (contains(kObjectTags, tag) || (tag == "spectrum" && node.attribute("type"))) {
             object(file, node, parent, "", depth + 1);
             return;
@@ -236,8 +244,9 @@ class Parser {
 
     void reference(const File& file, pugi::xml_node node, Element& parent) {
         const Attributes attributes(file.source, node, parameters_, {"id"}, {"name"});
-        references_.addReference(parent, nextOrder_, attributes["id"], file.source.at(node));
-        addElement(file, node, parent, attributes.get("name"), nullptr);
+        const std::string name = attributes.get("name");
+        references_.addReference(parent, nextOrder_, name, attributes["id"], file.source.at(node));
+        addElement(file, node, parent, name, nullptr);
     }
 
     void property(const File& file, pugi::xml_node node, const std::string& tag, Element& parent) {
@@ -330,8 +339,10 @@ class Parser {
     fs::path includeFile_;
     std::set<std::string> files_;
     int includes_ = 0;
+    uint64_t textBytes_ = 0;
     int nextOrder_ = 0;
     bool lenient_;
+    MemoryBudget* memory_;
     std::vector<std::string> warnings_;
 };
 
@@ -368,9 +379,9 @@ fs::path findFile(const std::string& filename, const fs::path& from,
     throw Error("the file \"{}\" does not exist (looked in: {})", filename, places);
 }
 
-ParsedScene parseScene(const fs::path& file, const std::map<std::string, std::string>& defines,
-                       bool lenient) {
-    return Parser(defines, lenient).run(file);
+ParsedScene parseScene(const fs::path& file, const std::map<std::string, std::string>& defines, bool lenient,
+                       MemoryBudget* memory) {
+    return Parser(defines, lenient, memory).run(file);
 }
 
 }  // namespace metrolux::mitsuba

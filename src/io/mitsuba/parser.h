@@ -2,6 +2,7 @@
 /// Mitsuba XML (2.x and 3.x, and 0.x upgraded) to a tree of Elements: includes, defaults, references and
 /// units of the file format are resolved; plugins are not known here.
 
+#include "base/memory_budget.h"
 #include "io/mitsuba/properties.h"
 
 #include <filesystem>
@@ -21,9 +22,10 @@ struct ParsedScene {
     std::vector<std::string> warnings;
 };
 
-/// Throws Error. When lenient, a missing or unknown version is a warning.
+/// Throws Error. When lenient, a missing or unknown version is a warning. The elements are booked on
+/// `memory`, if given.
 ParsedScene parseScene(const std::filesystem::path& file, const std::map<std::string, std::string>& defines,
-                       bool lenient = false);
+                       bool lenient = false, MemoryBudget* memory = nullptr);
 
 /// The existing regular file that `filename`, written in the file `from`, names. Included files look in their
 /// own folder first, then all in `searchPaths`. Throws Error that lists the folders.

@@ -6,6 +6,7 @@ namespace metrolux::mitsuba {
 namespace {
 
 constexpr int64_t kMaxPixels = int64_t(1) << 28;
+constexpr uint64_t kFilmPixelBytes = 128;  // allowance for what a Film keeps of one
 
 std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
     const std::string nearest = nearestName(name, known);
@@ -168,6 +169,15 @@ void readClips(const Element& element, LoadContext& context, float& nearClip) {
         context.warn(element, "\"far_clip\" has no effect: nothing is too far to be seen");
 }
 
+void bookFilm(const Element& element, LoadContext& context, const FilmWindow& window) {
+    try {
+        context.memory.take(static_cast<uint64_t>(window.pixelCount()) * kFilmPixelBytes,
+                            fmt::format("an image of {} x {} pixels", window.width, window.height));
+    } catch (const Error& problem) {
+        throw element.error(problem.what());
+    }
+}
+
 CameraPtr makePerspective(const Element& element, LoadContext& context, const FilmWindow& window) {
     PerspectiveParameters p;
     p.toWorld = element.transform("to_world");
@@ -205,6 +215,7 @@ CameraPtr makeCamera(const Element& element, LoadContext& context, SceneParts& p
 
     const ElementPtr film = onlyChild(element, "film");
     const FilmWindow window = film ? readFilm(*film, context, parts) : overridden(element, {}, context.film);
+    bookFilm(film ? *film : element, context, window);
     element.childrenOf(
         "sampler");  // samples are drawn by the integrator, their number is a choice of the command line
     if (element.number("shutter_open", 0) != 0 || element.number("shutter_close", 0) != 0)

@@ -1,5 +1,6 @@
 /// Shapes: Mitsuba 3's plugins, parameters and defaults.
 
+#include "geometry/affine.h"
 #include "io/mesh_io.h"
 #include "io/mitsuba/context.h"
 #include "scattering/diffuse.h"
@@ -13,13 +14,14 @@ namespace {
 
 using MakeShape = ShapePtr (*)(const Element&, LoadContext&);
 
-MeshOptions meshOptions(const Element& element, bool flipTexCoords) {
+MeshOptions meshOptions(const Element& element, LoadContext& context, bool flipTexCoords) {
     // Mitsuba 0.x could split vertices at sharp edges; with another angle the picture would differ.
     if (element.has("max_smooth_angle"))
         throw element.error(
             *element.find("max_smooth_angle"),
             "max_smooth_angle is not supported; use face_normals, or store normals in the mesh");
     MeshOptions options;
+    options.memory = &context.memory;
     options.toWorld = element.transform("to_world");
     options.flipNormals = element.boolean("flip_normals", false);
     options.faceNormals = element.boolean("face_normals", false);
@@ -39,18 +41,19 @@ struct Placement {
 };
 
 ShapePtr makeObjShape(const Element& element, LoadContext& context) {
-    return readObj(meshFile(element, context), meshOptions(element, true));
+    return readObj(meshFile(element, context), meshOptions(element, context, true));
 }
 
 ShapePtr makePlyShape(const Element& element, LoadContext& context) {
-    return readPly(meshFile(element, context), meshOptions(element, false));
+    return readPly(meshFile(element, context), meshOptions(element, context, false));
 }
 
 ShapePtr makeSerializedShape(const Element& element, LoadContext& context) {
     const int64_t index = element.integer("shape_index", 0);
     if (index < 0 || index > std::numeric_limits<int>::max())
         throw element.error(fmt::format("shape_index is {}, expected 0 or more", index));
-    return readSerialized(meshFile(element, context), static_cast<int>(index), meshOptions(element, false));
+    return readSerialized(meshFile(element, context), static_cast<int>(index),
+                          meshOptions(element, context, false));
 }
 
 ShapePtr makeSphereShape(const Element& element, LoadContext&) {
@@ -84,6 +87,8 @@ constexpr Plugin kPlugins[] = {
 };
 constexpr const char* kGroup = "shapegroup";
 constexpr const char* kInstance = "instance";
+/// Allowances for an object, its light, and its part of the ray tracing structure.
+constexpr uint64_t kShapeBytes = 2048, kInstanceBytes = 1024;
 
 /// The only child with a tag, or null.
 ElementPtr onlyChild(const Element& element, const char* tag) {
@@ -133,7 +138,10 @@ ShapePtr makeShape(const Element& element, LoadContext& context, std::vector<Lig
     if (!element.childrenOf("medium").empty())
         throw element.error("participating media (interior, exterior) are not supported");
 
-    ShapePtr shape = withLocation(element, [&] { return plugin->make(element, context); });
+    ShapePtr shape = withLocation(element, [&] {
+        context.memory.take(kShapeBytes, "the shape");
+        return plugin->make(element, context);
+    });
     shape->id =
         element.id.empty() ? fmt::format("{} at {}", element.type, element.location.str()) : element.id;
     const ElementPtr emitter = onlyChild(element, "emitter");
@@ -175,7 +183,12 @@ void addInstance(const Element& element, LoadContext& context, SceneParts& parts
     if (!element.childrenOf("emitter").empty()) throw element.error("an instance cannot be an emitter");
     if (!element.childrenOf("bsdf").empty())
         throw element.error("an instance has the materials of its shapegroup, and none of its own");
-    parts.instances.push_back({makeGroup(*child, context), element.transform("to_world")});
+    const Transform toWorld = element.transform("to_world");
+    withLocation(element, [&] {
+        context.memory.take(kInstanceBytes, "the instance");
+        const Affine checked(toWorld);
+    });
+    parts.instances.push_back({makeGroup(*child, context), toWorld});
     element.checkAllUsed(context.lenient, context.warnings);
 }
 

@@ -63,7 +63,7 @@ TexturePtr bitmap(const Element& element, LoadContext& context) {
     const bool raw = element.boolean("raw", false);
     const auto file = context.resolve(element, element.requiredString("filename"));
     try {
-        ImageData image = readImage(file, raw);
+        ImageData image = readImage(file, raw, &context.memory);
         p.width = image.width;
         p.height = image.height;
         p.channels = image.channels >= 3 ? 3 : 1;

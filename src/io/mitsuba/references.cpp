@@ -11,6 +11,19 @@ std::string nameOf(const Element& element) {
                               : fmt::format("\"{}\"", element.id);
 }
 
+/// Where a reference's target goes. Children are in ascending order: there may be a million of them.
+/// Null for a property that the upgrade of a 0.x scene has dropped.
+Property* findPlace(int order, bool named, Element& parent) {
+    if (named) {
+        for (auto& entry : parent.named)
+            if (entry.second.order == order) return &entry.second;
+        return nullptr;
+    }
+    const auto child = std::lower_bound(parent.children.begin(), parent.children.end(), order,
+                                        [](const Property& p, int o) { return p.order < o; });
+    return child != parent.children.end() && child->order == order ? &*child : nullptr;
+}
+
 }  // namespace
 
 void References::addElement(const std::shared_ptr<Element>& element) {
@@ -23,8 +36,9 @@ void References::addElement(const std::shared_ptr<Element>& element) {
                         entry->second->location.str()));
 }
 
-void References::addReference(Element& parent, int order, const std::string& id, const Location& location) {
-    references_.push_back({&parent, order, id, location, nullptr});
+void References::addReference(Element& parent, int order, const std::string& name, const std::string& id,
+                              const Location& location) {
+    references_.push_back({&parent, order, !name.empty(), id, location, nullptr});
 }
 
 void References::addAlias(const std::string& id, const std::string& as, const Location& location) {
@@ -35,11 +49,15 @@ void References::addAlias(const std::string& id, const std::string& as, const Lo
 
 std::shared_ptr<Element> References::find(const Reference& reference) const {
     std::string id = reference.id;
-    for (size_t step = 0; step <= aliases_.size(); ++step) {
+    for (int step = 0; step <= kMaxDepth; ++step) {
         if (const auto entry = ids_.find(id); entry != ids_.end()) return entry->second;
         const auto alias = aliases_.find(id);
         if (alias == aliases_.end()) break;
         id = alias->second.id;
+        if (step == kMaxDepth)
+            throw Error("{}: <ref id=\"{}\"> in <{} type=\"{}\">: it leads through more than {} aliases",
+                        reference.location.str(), reference.id, reference.parent->tag, reference.parent->type,
+                        kMaxDepth);
     }
     std::vector<std::string> known;
     for (const auto& entry : ids_) known.push_back(entry.first);
@@ -61,23 +79,19 @@ void References::resolve() {
     checkGraph();  // before linking: a cycle of shared pointers would never be freed
     for (const Reference& reference : references_) {
         referenced_.insert(reference.target.get());
-        for (auto& entry : reference.parent->named)
-            if (entry.second.order == reference.order) entry.second.value = ElementPtr(reference.target);
-        for (Property& property : reference.parent->children)
-            if (property.order == reference.order) property.value = ElementPtr(reference.target);
+        if (Property* place = findPlace(reference.order, reference.named, *reference.parent))
+            place->value = ElementPtr(reference.target);
     }
 }
 
-void References::checkGraph() const {
+References::Graph References::graph() const {
     std::unordered_map<const Element*, size_t> index;
     for (size_t i = 0; i < elements_.size(); ++i) index[elements_[i].get()] = i;
-    std::vector<std::vector<size_t>> below(elements_.size());
-    std::vector<size_t> parents(elements_.size(), 0);
+    Graph below(elements_.size());
     const auto connect = [&](const Element& from, const Element* to) {
         const auto source = index.find(&from), target = index.find(to);
         if (source == index.end() || target == index.end()) return;
         below[source->second].push_back(target->second);
-        ++parents[target->second];
     };
     for (const auto& element : elements_) {
         const auto connectTo = [&](const Property& property) {
@@ -88,6 +102,26 @@ void References::checkGraph() const {
         for (const Property& property : element->children) connectTo(property);
     }
     for (const Reference& reference : references_) connect(*reference.parent, reference.target.get());
+    return below;
+}
+
+void References::checkParts(const Graph& below, const std::vector<size_t>& sorted) const {
+    std::vector<uint64_t> parts(elements_.size(), 1);
+    for (auto i = sorted.rbegin(); i != sorted.rend(); ++i) {
+        const Element& element = *elements_[*i];
+        if (element.tag != "bsdf" && element.tag != "texture") continue;
+        for (const size_t child : below[*i]) parts[*i] += parts[child];
+        if (parts[*i] > kMaxParts)
+            throw element.error(
+                fmt::format("found more than {} parts, references included, expected fewer", kMaxParts));
+    }
+}
+
+void References::checkGraph() const {
+    const Graph below = graph();
+    std::vector<size_t> parents(elements_.size(), 0);
+    for (const auto& children : below)
+        for (const size_t child : children) ++parents[child];
 
     // Kahn's topological order; levels are longest paths.
     std::vector<int> level(elements_.size(), 0);
@@ -105,7 +139,7 @@ void References::checkGraph() const {
             if (--parents[child] == 0) ready.push_back(child);
         }
     }
-    if (done == elements_.size()) return;
+    if (done == elements_.size()) return checkParts(below, ready);
 
     // Every element that is left has a parent that is left: walking upward from one finds a cycle.
     std::vector<size_t> above(elements_.size(), elements_.size());

@@ -17,6 +17,7 @@ class Source {
 
     pugi::xml_node root() const { return document_.document_element(); }
     const std::filesystem::path& file() const { return file_; }
+    size_t bytes() const { return text_.size(); }
     Location at(pugi::xml_node node) const { return at(node.offset_debug()); }
 
   private:

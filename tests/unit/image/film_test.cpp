@@ -1,6 +1,7 @@
 #include "image/film.h"
 
 #include "base/error.h"
+#include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "base/rng.h"
 #include "image/fixed_point.h"
@@ -164,6 +165,21 @@ TEST(Film, EyeSamplesAndSplatsEstimateTheSameImage) {
     light.endPass();
     const auto a = eye.image(), b = light.image();
     for (size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i] / n, b[i] / (m * m), 2e-3) << i;
+}
+
+TEST(Film, ImageThatDoesNotFitTheMachineIsRefused) {
+    const FilmWindow largest = window(1 << 14, 1 << 14);
+    const uint64_t bytes = (uint64_t{1} << 28) * 128;
+    if (physicalMemoryBytes() == 0 || physicalMemoryBytes() > bytes)
+        GTEST_SKIP() << "this machine has memory for the largest image: " << sizeText(physicalMemoryBytes());
+    try {
+        Film film(largest, ReconstructionFilter(Kind::Box, {}));
+        FAIL() << "not refused";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("film: 16384x16384 pixels would take 32.0 GiB"),
+                  std::string::npos)
+            << error.what();
+    }
 }
 
 TEST(Film, NonFiniteAndHugeValuesAreCountedNotAdded) {

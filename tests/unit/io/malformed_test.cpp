@@ -8,6 +8,7 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
 #include <functional>
 
 #ifdef __SANITIZE_ADDRESS__
@@ -58,6 +59,51 @@ std::string chain(int length) {
     return body + fmt::format("<bsdf type=\"diffuse\" id=\"b{}\"/>", length);
 }
 
+/// Each BSDF refers twice to the next: two to the power of `levels` parts.
+std::string doubling(int levels) {
+    std::string body;
+    for (int i = 0; i < levels; ++i)
+        body += fmt::format(
+            "<bsdf type=\"blendbsdf\" id=\"b{0}\"><ref id=\"b{1}\"/><ref id=\"b{1}\"/></bsdf>\n", i, i + 1);
+    return body + fmt::format("<bsdf type=\"diffuse\" id=\"b{}\"/>", levels);
+}
+
+std::string doublingTextures(int levels) {
+    std::string body;
+    for (int i = 0; i < levels; ++i)
+        body += fmt::format(
+            "<texture type=\"checkerboard\" id=\"t{0}\"><ref name=\"color0\" id=\"t{1}\"/>"
+            "<ref name=\"color1\" id=\"t{1}\"/></texture>\n",
+            i, i + 1);
+    return body + fmt::format("<texture type=\"checkerboard\" id=\"t{}\"/>", levels);
+}
+
+std::string aliases(int count) {
+    std::string body = "<bsdf type=\"diffuse\" id=\"a0\"/>\n";
+    for (int i = 0; i < count; ++i) body += fmt::format("<alias id=\"a{}\" as=\"a{}\"/>", i, i + 1);
+    return body + fmt::format("\n<shape type=\"cube\"><ref id=\"a{}\"/></shape>", count);
+}
+
+/// A polygon whose triangles each have all of many attributes.
+std::string plyOfManyAttributes(int attributes, int corners) {
+    std::string header =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uint int vertex_indices\n";
+    std::string data = "end_header\n0 0 0\n1 0 0\n0 1 0\n" + std::to_string(corners);
+    for (int i = 0; i < corners; ++i) data += fmt::format(" {}", i % 3);
+    for (int i = 0; i < attributes; ++i) {
+        header += fmt::format("property float a{}\n", i);
+        data += " 1";
+    }
+    return header + data + "\n";
+}
+
+std::string objOfManyCorners(int corners) {
+    std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";
+    for (int i = 0; i < corners; ++i) text += fmt::format(" {}", i % 3 + 1);
+    return text + "\n";
+}
+
 std::string repeated(const std::string& text, int count) {
     std::string result;
     result.reserve(text.size() * static_cast<size_t>(count));
@@ -91,6 +137,7 @@ struct Malformed {
     std::vector<std::pair<std::string, std::string>> files = {};
     std::function<void(const TemporaryFolder&)> prepare = nullptr;
     std::map<std::string, std::string> defines = {};
+    uint64_t memoryBytes = 0;
 };
 
 const std::string kAscii =
@@ -292,6 +339,12 @@ const std::vector<Malformed> kPlugins = {
      world("<shape type=\"ply\"><string name=\"filename\" value=\"a.ply\"/><emitter type=\"area\"/></shape>"),
      {"scene.xml:4"},
      {{"a.ply", kAscii + "0 0 0\n0 0 0\n0 0 0\n3 0 1 2\n"}}},
+    {"projective_instance",
+     world(
+         "<shape type=\"shapegroup\" id=\"g\"><shape type=\"cube\"/></shape>\n<shape type=\"instance\"><ref "
+         "id=\"g\"/><transform name=\"to_world\"><matrix value=\"1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1\"/>"
+         "</transform></shape>"),
+     {"scene.xml:5", "<shape type=\"instance\">", "affine"}},
     {"two_environments",
      world("<emitter type=\"constant\"/>\n<emitter type=\"constant\"/>"),
      {"scene.xml:5", "environment", "scene.xml:4"}},
@@ -345,10 +398,92 @@ const std::vector<Malformed> kPlugins = {
          writeExr(folder.path() / "whole.exr", gradient());
          folder.write("a.exr", firstHalf(folder.path() / "whole.exr"));
      }},
+    {"image_larger_than_its_file",
+     bitmap("a.ppm"),
+     {"scene.xml:4", "a.ppm", "20000x20000", "cannot hold"},
+     {{"a.ppm", "P6\n20000 20000\n255\nabc"}}},
+    {"image_of_too_many_pixels",
+     bitmap("a.ppm"),
+     {"scene.xml:4", "a.ppm", "100000x100000", "largest"},
+     {{"a.ppm", "P6\n100000 100000\n255\nabc"}}},
+    {"playlist_as_image",
+     bitmap("a.png"),
+     {"scene.xml:4", "a.png", "expected EXR"},
+     {{"a.png", "#EXTM3U\n#EXTINF:1,\nhttp://127.0.0.1:9/a.ts\n"}}},
+    {"video_as_image",
+     bitmap("a.avi"),
+     {"scene.xml:4", "a.avi", "expected EXR"},
+     {{"a.avi", std::string("RIFF\x10\0\0\0AVI LIST", 16)}}},
     {"text_as_environment",
      world("<emitter type=\"envmap\"><string name=\"filename\" value=\"a.exr\"/></emitter>"),
      {"scene.xml:4", "a.exr"},
      {{"a.exr", "not light"}}},
+};
+
+/// What would take more memory or time than there is.
+const std::vector<Malformed> kLimits = {
+    {"blends_of_blends", world(doubling(60)), {"scene.xml:", "<bsdf type=\"blendbsdf\"", "4096 parts"}},
+    {"textures_of_textures",
+     world(doublingTextures(60)),
+     {"scene.xml:", "<texture type=\"checkerboard\"", "4096 parts"}},
+    {"long_chain_of_aliases", world(aliases(5000)), {"scene.xml:5", "<ref id=\"a5000\">", "256 aliases"}},
+    {"memory_for_the_film",
+     film("<integer name=\"width\" value=\"1000\"/><integer name=\"height\" value=\"1000\"/>"),
+     {"scene.xml:2", "<film type=\"hdrfilm\">", "an image of 1000 x 1000 pixels would take 122.1 MiB"},
+     {},
+     nullptr,
+     {},
+     64 << 20},
+    {"memory_for_elements",
+     world(repeated("<bsdf type=\"diffuse\"/>\n", 1000)),
+     {"scene.xml:", "<bsdf type=\"diffuse\">", "would take", "256.0 KiB"},
+     {},
+     nullptr,
+     {},
+     256 << 10},
+    {"memory_for_instances",
+     world("<shape type=\"shapegroup\" id=\"g\"><shape type=\"cube\"/></shape>\n" +
+           repeated("<shape type=\"instance\"><ref id=\"g\"/></shape>\n", 1000)),
+     {"scene.xml:", "<shape type=\"instance\">", "the instance would take"},
+     {},
+     nullptr,
+     {},
+     2500 << 10},
+    {"memory_for_shapes",
+     world(repeated("<shape type=\"sphere\"/>\n", 1000)),
+     {"scene.xml:", "<shape type=\"sphere\">", "the shape would take"},
+     {},
+     nullptr,
+     {},
+     1500 << 10},
+    {"memory_for_a_file",
+     mesh("obj", "a.obj"),
+     {"scene.xml:4", "a.obj", "the file would take"},
+     {{"a.obj", std::string(100000, '#') + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"}},
+     nullptr,
+     {},
+     64 << 10},
+    {"memory_for_a_polygon",
+     mesh("obj", "a.obj"),
+     {"scene.xml:4", "a.obj", "the mesh would take"},
+     {{"a.obj", objOfManyCorners(10000)}},
+     nullptr,
+     {},
+     128 << 10},
+    {"memory_for_attributes",
+     mesh("ply", "a.ply"),
+     {"scene.xml:4", "a.ply", "the faces would take"},
+     {{"a.ply", plyOfManyAttributes(300, 3000)}},
+     nullptr,
+     {},
+     512 << 10},
+    {"memory_for_an_image",
+     bitmap("a.ppm"),
+     {"scene.xml:4", "a.ppm", "the image would take"},
+     {{"a.ppm", "P6\n200 200\n255\n" + std::string(120000, 'a')}},
+     nullptr,
+     {},
+     256 << 10},
 };
 
 class MalformedScene : public testing::TestWithParam<Malformed> {};
@@ -360,6 +495,7 @@ TEST_P(MalformedScene, IsRefusedWithItsPlace) {
     if (param.prepare) param.prepare(folder);
     LoadOptions options;
     options.defines = param.defines;
+    options.memoryBytes = param.memoryBytes;
     const auto file = folder.write("scene.xml", param.text);
     const std::string message = errorOf([&] { Scene scene(loadScene(file, options)); });
     for (const std::string& part : param.expected) EXPECT_THAT(message, HasSubstr(part));
@@ -368,6 +504,7 @@ TEST_P(MalformedScene, IsRefusedWithItsPlace) {
 
 std::string nameOf(const testing::TestParamInfo<Malformed>& info) { return info.param.name; }
 INSTANTIATE_TEST_SUITE_P(Xml, MalformedScene, testing::ValuesIn(kXml), nameOf);
+INSTANTIATE_TEST_SUITE_P(Limits, MalformedScene, testing::ValuesIn(kLimits), nameOf);
 INSTANTIATE_TEST_SUITE_P(Plugins, MalformedScene, testing::ValuesIn(kPlugins), nameOf);
 
 TEST(MalformedFile, IsRefused) {
@@ -376,6 +513,31 @@ TEST(MalformedFile, IsRefused) {
     EXPECT_THAT(errorOf([&] { loadScene(folder.path() / "absent.xml", {}); }), HasSubstr("absent.xml"));
     EXPECT_THAT(errorOf([&] { loadScene("", {}); }), HasSubstr("does not exist"));
     EXPECT_THAT(errorOf([&] { loadScene("/dev/null", {}); }), HasSubstr("/dev/null"));
+}
+
+TEST(Limits, OneReferenceAmongManyIsFoundAtOnce) {
+    // A quarter of a million references in one element: a search among all for each would take minutes.
+    const std::string text = world("<bsdf type=\"diffuse\" id=\"a\"/>" + repeated("<ref id=\"a\"/>", 250000));
+    const TemporaryFolder folder;
+    const auto file = folder.write("scene.xml", text);
+    const auto start = std::chrono::steady_clock::now();
+    loadScene(file, {});
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+}
+
+TEST(Limits, ScenesAreReadWithoutWriting) {
+    const TemporaryFolder folder;
+    const auto file = folder.write("scene.xml", fmt::format(R"(<scene version="0.6.0">
+<sensor type="perspective"><film type="ldrfilm"><string name="filename" value="{0}/a"/>
+<string name="fileFormat" value="png"/></film></sensor>
+<texture type="bitmap" id="t"><string name="filename" value="a.ppm"/><boolean name="cache" value="true"/></texture>
+<shape type="sphere"><emitter type="area"/></shape></scene>)",
+                                                            folder.path().string()));
+    folder.write("a.ppm", "P6\n1 1\n255\nabc");
+    LoadOptions options;
+    options.lenient = true;
+    const Scene scene(loadScene(file, options));
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 2);
 }
 
 /// Every prefix of a good scene is an Error or a scene, never a crash.

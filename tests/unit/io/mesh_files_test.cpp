@@ -281,6 +281,7 @@ struct SerializedOptions {
     uint64_t vertices = 3, faces = 1;
     uint32_t lastIndex = 2;
     float height = 0;
+    std::string name = "name";
 };
 
 std::string compressed(const std::string& raw) {
@@ -295,7 +296,7 @@ std::string compressed(const std::string& raw) {
 std::string serializedMesh(const SerializedOptions& o) {
     std::string raw;
     put(raw, o.flags);
-    if (o.version == 4) raw += std::string("name") + '\0';
+    if (o.version == 4) raw += o.name + '\0';
     put(raw, o.vertices);
     put(raw, o.faces);
     const auto number = [&](float value) {
@@ -358,6 +359,9 @@ TEST(MeshSerialized, RefusesWhatIsWrong) {
     EXPECT_THAT(refusal(kSerialized, serializedMesh({.faces = 0})), testing::HasSubstr("no faces"));
     EXPECT_THAT(refusal(kSerialized, serializedMesh({.lastIndex = 3})), testing::HasSubstr("vertex 3"));
     EXPECT_THAT(refusal(kSerialized, serializedMesh({.height = NAN})), testing::HasSubstr("not finite"));
+    EXPECT_THAT(refusal(kSerialized, serializedMesh({.name = std::string(1 << 20, 'a')})),
+                testing::HasSubstr("name has more than 4096 bytes"));
+    EXPECT_TRUE(read(kSerialized, serializedMesh({.name = std::string(4096, 'a')})));
     EXPECT_THAT(refusal(kSerialized, serializedMesh({.version = 5})), testing::HasSubstr("version 5"));
     EXPECT_THAT(refusal(kSerialized, "no mesh at all"), testing::HasSubstr("not a serialized mesh"));
     std::string badTable = serializedFile(4, 0x1003);

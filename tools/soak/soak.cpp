@@ -1,0 +1,295 @@
+/// Renders random scenes with all integrators for some time, and counts what should not happen: crashes,
+/// hangs, values that are not finite in an image, memory that is lost. A child process renders; when it dies,
+/// the next one goes on after the scene that ended it. Meant for a build with sanitizers (`make soak`).
+
+#include "base/error.h"
+#include "base/rng.h"
+#include "integrators/integrator.h"
+#include "io/scene_loader.h"
+#include "random_scene.h"
+#include "render/threads.h"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <poll.h>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <vector>
+
+namespace metrolux::soak {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Settings {
+    double seconds = 60, limit = 300;
+    uint64_t seed = 1, count = ~uint64_t{0};
+    int passes = 4, threads = 2;
+    std::vector<std::string> integrators;
+    fs::path folder, report;
+};
+
+double secondsNow() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+uint64_t residentBytes() {
+    uint64_t total = 0, resident = 0;
+    std::ifstream("/proc/self/statm") >> total >> resident;
+    return resident * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+// The child: renders, and writes lines of JSON to a pipe.
+
+class Reporter {
+  public:
+    explicit Reporter(int pipe) : pipe_(pipe) {}
+    void say(const nlohmann::json& message) const {
+        const std::string line = message.dump() + "\n";
+        if (::write(pipe_, line.data(), line.size()) != static_cast<ssize_t>(line.size())) ::_exit(3);
+    }
+
+  private:
+    int pipe_;
+};
+
+/// Options that a user may choose, by the seed.
+IntegratorOptions randomOptions(uint64_t seed, const Scene& scene) {
+    CounterRng rng(hashKey(seed, 0x0b7));
+    IntegratorOptions options;
+    options.seed = seed;
+    options.limits = scene.parts().limits;
+    options.memoryBytes = rng.next1D() < 0.2f ? 20000 : 0;  // several iterations in a pass
+    if (rng.next1D() < 0.2f)
+        options.radius = double(scene.bounds().radius) * (rng.next1D() < 0.5f ? 1e-7 : 1);
+    if (rng.next1D() < 0.3f) options.lanes = 1;
+    if (rng.next1D() < 0.3f)
+        options.kernel = rng.next1D() < 0.5f ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
+    options.correlationAware = rng.next1D() < 0.8f;
+    return options;
+}
+
+void render(const Settings& settings, const Scene& scene, const std::string& integrator, uint64_t seed,
+            const Reporter& reporter) {
+    reporter.say({{"begin", integrator}});
+    Film film(scene.camera().window(), ReconstructionFilter(scene.parts().filterKind, scene.parts().filter));
+    const auto integrates = makeIntegrator(integrator, scene, randomOptions(seed, scene));
+    for (int i = 0; i < settings.passes; ++i) integrates->renderPass(film);
+    nlohmann::json rejected = nlohmann::json::object();
+    for (int i = 0; i < static_cast<int>(Technique::Count); ++i)
+        rejected[techniqueName(static_cast<Technique>(i))] = film.nonFinite(static_cast<Technique>(i));
+    const std::vector<float> image = film.image();
+    const auto bad = std::count_if(image.begin(), image.end(), [](float v) { return !std::isfinite(v); });
+    reporter.say({{"rendered", integrator}, {"bad_values", bad}, {"rejected", rejected}});
+}
+
+fs::path writeScene(const fs::path& folder, uint64_t seed) {
+    const RandomScene scene = makeRandomScene(seed);
+    for (const auto& [name, content] : scene.files) std::ofstream(folder / name, std::ios::binary) << content;
+    const fs::path file = folder / "scene.xml";
+    std::ofstream(file) << scene.xml;
+    return file;
+}
+
+void renderScene(const Settings& settings, uint64_t seed, const Reporter& reporter) {
+    LoadOptions options;
+    options.memoryBytes = uint64_t{1} << 30;
+    try {
+        const Scene scene(loadScene(writeScene(settings.folder, seed), options));
+        for (const std::string& integrator : settings.integrators)
+            render(settings, scene, integrator, seed, reporter);
+    } catch (const Error& error) {
+        reporter.say({{"refused", error.what()}});
+    }
+}
+
+int runChild(const Settings& settings, uint64_t first, double end, int pipe) {
+    const Reporter reporter(pipe);
+    ThreadLimit limit(settings.threads);
+    limit.execute([&] {
+        for (uint64_t seed = first; secondsNow() < end && seed - settings.seed < settings.count; ++seed) {
+            reporter.say({{"scene", seed}});
+            renderScene(settings, seed, reporter);
+            reporter.say({{"done", seed}, {"resident_bytes", residentBytes()}});
+        }
+    });
+    reporter.say({{"finished", true}});
+    return 0;
+}
+
+// The parent: counts what the child says, and notices when it stops to.
+
+class Supervisor {
+  public:
+    explicit Supervisor(const Settings& settings) : settings_(settings) {}
+
+    /// Whether nothing went wrong.
+    bool run() {
+        const double start = secondsNow(), end = start + settings_.seconds;
+        next_ = settings_.seed;
+        while (secondsNow() < end && next_ - settings_.seed < settings_.count) runOne(end);
+        report(secondsNow() - start);
+        return problems_.empty();
+    }
+
+  private:
+    void runOne(double end) {
+        int ends[2];
+        if (::pipe(ends) != 0) throw Error("no pipe: {}", std::strerror(errno));
+        std::fflush(nullptr);
+        const pid_t child = ::fork();
+        if (child < 0) throw Error("no process: {}", std::strerror(errno));
+        if (child == 0) {
+            ::close(ends[0]);
+            std::exit(runChild(settings_, next_, end, ends[1]));
+        }
+        ::close(ends[1]);
+        finished_ = false;
+        const bool hung = !listen(ends[0]);
+        ::close(ends[0]);
+        if (hung) ::kill(child, SIGKILL);
+        int status = 0;
+        ::waitpid(child, &status, 0);
+        if (hung)
+            problem(fmt::format("no progress for {} s", settings_.limit));
+        else if (WIFSIGNALED(status))
+            problem(fmt::format("ended by signal {}", WTERMSIG(status)));
+        else if (WEXITSTATUS(status) != 0)
+            problem(fmt::format("ended with status {}{}", WEXITSTATUS(status),
+                                finished_ ? " after the last scene (a leak?)" : ""));
+        ++next_;
+    }
+
+    /// Until the child closes the pipe; false if it says nothing for too long.
+    bool listen(int pipe) {
+        std::string pending;
+        for (;;) {
+            pollfd wait{pipe, POLLIN, 0};
+            if (::poll(&wait, 1, static_cast<int>(1000 * settings_.limit)) == 0) return finished_;
+            char buffer[4096];
+            const ssize_t size = ::read(pipe, buffer, sizeof(buffer));
+            if (size <= 0) return true;
+            pending.append(buffer, static_cast<size_t>(size));
+            for (size_t end; (end = pending.find('\n')) != std::string::npos; pending.erase(0, end + 1))
+                hear(nlohmann::json::parse(pending.substr(0, end)));
+        }
+    }
+
+    void hear(const nlohmann::json& message) {
+        if (message.contains("scene")) {
+            next_ = message["scene"].get<uint64_t>();
+            integrator_ = "loading";
+        } else if (message.contains("begin")) {
+            integrator_ = message["begin"].get<std::string>();
+        } else if (message.contains("rendered")) {
+            ++renders_;
+            if (message["bad_values"].get<int64_t>() != 0)
+                problem(fmt::format("{} values not finite", message["bad_values"].dump()));
+            for (const auto& [technique, count] : message["rejected"].items())
+                rejected_[technique] += count.get<uint64_t>();
+        } else if (message.contains("refused")) {
+            ++refused_;
+            fmt::print("scene {} refused: {}\n", next_, message["refused"].get<std::string>());
+        } else if (message.contains("done")) {
+            ++scenes_;
+            resident_.push_back(message["resident_bytes"].get<uint64_t>());
+        } else {
+            finished_ = true;
+            integrator_ = "end";
+        }
+    }
+
+    void problem(const std::string& what) {
+        problems_.push_back(fmt::format("scene {}, {}: {}", next_, integrator_, what));
+        fmt::print("PROBLEM: {}\n", problems_.back());
+        std::fflush(stdout);
+    }
+
+    /// Largest resident set of a tenth of the scenes.
+    double residentMiB(size_t tenth) const {
+        const size_t begin = resident_.size() * tenth / 10, end = resident_.size() * (tenth + 1) / 10;
+        uint64_t largest = 0;
+        for (size_t i = begin; i < end; ++i) largest = std::max(largest, resident_[i]);
+        return static_cast<double>(largest) / (1 << 20);
+    }
+
+    void report(double seconds) const {
+        nlohmann::json memory = nlohmann::json::array();
+        for (size_t tenth = 0; tenth < 10; ++tenth) memory.push_back(std::round(residentMiB(tenth)));
+        const nlohmann::json result = {{"seconds", seconds},
+                                       {"first_seed", settings_.seed},
+                                       {"scenes", scenes_},
+                                       {"refused", refused_},
+                                       {"renders", renders_},
+                                       {"passes_each", settings_.passes},
+                                       {"integrators", settings_.integrators},
+                                       {"rejected_contributions", rejected_},
+                                       {"resident_mib_by_tenths", memory},
+                                       {"problems", problems_}};
+        fmt::print("{}\n", result.dump(2));
+        if (!settings_.report.empty()) std::ofstream(settings_.report) << result.dump(2) << "\n";
+    }
+
+    const Settings& settings_;
+    uint64_t next_ = 0, scenes_ = 0, refused_ = 0, renders_ = 0;
+    bool finished_ = false;
+    std::string integrator_;
+    std::map<std::string, uint64_t> rejected_;
+    std::vector<uint64_t> resident_;
+    std::vector<std::string> problems_;
+};
+
+/// A folder for the scene in work.
+fs::path makeFolder() {
+    std::string pattern = (fs::temp_directory_path() / "metrolux_soak_XXXXXX").string();
+    if (!::mkdtemp(pattern.data())) throw Error("no folder in {}", fs::temp_directory_path().string());
+    return pattern;
+}
+
+int run(int argc, char** argv) {
+    Settings settings;
+    CLI::App app(
+        "Renders random scenes with all integrators and counts crashes, hangs, bad values and leaks");
+    app.add_option("--seconds", settings.seconds, "Time to render for (default: 60)");
+    app.add_option("--count", settings.count, "Number of scenes at most");
+    app.add_option("--seed", settings.seed, "Number of the first scene (default: 1)");
+    app.add_option("--passes", settings.passes, "Passes of each integrator (default: 4)");
+    app.add_option("--threads", settings.threads, "Threads (default: 2)");
+    app.add_option("--limit", settings.limit, "Seconds without progress that count as a hang (default: 300)");
+    app.add_option("--integrators", settings.integrators, "Names, separated by commas (default: all)")
+        ->delimiter(',');
+    app.add_option("--report", settings.report, "JSON file for the counts");
+    app.add_option("--keep", settings.folder, "Folder for the scene in work (default: a temporary one)");
+    CLI11_PARSE(app, argc, argv);
+    if (settings.integrators.empty())
+        for (const auto& [name, description] : integratorList()) settings.integrators.push_back(name);
+    const bool temporary = settings.folder.empty();
+    if (temporary) settings.folder = makeFolder();
+    fs::create_directories(settings.folder);
+    const bool good = Supervisor(settings).run();
+    if (temporary) fs::remove_all(settings.folder);
+    return good ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace metrolux::soak
+
+int main(int argc, char** argv) {
+    try {
+        return metrolux::soak::run(argc, argv);
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "metrolux_soak: {}\n", error.what());
+        return 2;
+    }
+}

@@ -3,7 +3,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 BUILD := build
 PACKAGES := $(shell cat packages.txt)
 
-.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery study format tidy clean integrator-pictures sanitize thread-test fuzz soak
+.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery study format tidy clean integrator-pictures sanitize thread-test fuzz soak bench
 
 setup:
 	@dpkg-query -W -f='$${Status}\n' $(PACKAGES) 2>/dev/null | grep -c '^install ok installed$$' | \
@@ -36,6 +36,12 @@ viewer: setup
 
 test: build setup-browser
 	ctest --preset release -j 2
+
+# Kernels and whole renders; results in build/bench/results. SCENES=... for other scenes, QUICK=1 for small sizes.
+bench: setup
+	cmake --preset release -DMETROLUX_BENCH=ON
+	cmake --build --preset release --target metrolux_command bench_kernels bench_scene
+	bench/run.sh $(BUILD)
 
 # Mitsuba's own render tests, of ../shared/conformance.
 test-conformance: build

@@ -19,6 +19,7 @@ using Run = std::function<int()>;
 Run addRenderCommand(CLI::App& parent);
 Run addCompareCommand(CLI::App& parent);
 Run addStudyCommand(CLI::App& parent);
+Run addBenchCommand(CLI::App& parent);
 Run addInfoCommand(CLI::App& parent);
 Run addIntegratorsCommand(CLI::App& parent);
 

@@ -20,6 +20,7 @@ constexpr const char* kExamples = R"(Examples:
   metrolux render scene.xml -o image.exr -o image.png --time 5m
   metrolux compare image.exr reference.exr --heatmap errors.png
   metrolux study scene.xml --integrators path,vcm,mcmc_vcm --time 60s --ref reference.exr
+  metrolux bench scene.xml -i mcmc_vcm --json speed.json
   metrolux info scene.xml
 
 `metrolux COMMAND --help` explains the options of a command.
@@ -60,8 +61,8 @@ int runCommandLine(int argc, char** argv) {
                           "Show the version and exit");
     root.require_subcommand(0, 1);
     std::vector<Command> commands;
-    for (auto* add :
-         {&addRenderCommand, &addCompareCommand, &addStudyCommand, &addInfoCommand, &addIntegratorsCommand}) {
+    for (auto* add : {&addRenderCommand, &addCompareCommand, &addStudyCommand, &addBenchCommand,
+                      &addInfoCommand, &addIntegratorsCommand}) {
         Run run = add(root);
         commands.push_back(
             {root.get_subcommands([](const CLI::App*) { return true; }).back(), std::move(run)});

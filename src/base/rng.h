@@ -15,11 +15,16 @@ constexpr uint64_t mixBits(uint64_t x) {
     return x;
 }
 
+/// Hash of the words behind `key` and one more: extendKey(hashKey(a), b) = hashKey(a, b).
+constexpr uint64_t extendKey(uint64_t key, uint64_t word) {
+    return mixBits(key ^ word) + 0x9e3779b97f4a7c15ULL;
+}
+
 /// Hash of several words into one key; the order of the words matters.
 template <class... Words>
 constexpr uint64_t hashKey(Words... words) {
     uint64_t h = 0x9e3779b97f4a7c15ULL;
-    ((h = mixBits(h ^ static_cast<uint64_t>(words)) + 0x9e3779b97f4a7c15ULL), ...);
+    ((h = extendKey(h, static_cast<uint64_t>(words))), ...);
     return h;
 }
 

@@ -41,6 +41,11 @@ class Cylinder final : public AnalyticShape {
 
     float area() const override { return area_; }
 
+    Partials partialsAt(const SurfaceInteraction& si) const override {
+        const double phi = 2 * kPiD * static_cast<double>(si.uv.x);
+        return {derivativeByU(std::cos(phi), std::sin(phi)), toFloat(toWorld_.z)};
+    }
+
     void bounds(Vec3f& lower, Vec3f& upper) const override {
         Vec3d extent;
         for (int i = 0; i < 3; ++i)
@@ -83,14 +88,16 @@ class Cylinder final : public AnalyticShape {
         double u = std::atan2(y, x) / (2 * kPiD);
         if (u < 0) u += 1;
         si.uv = Vec2f(static_cast<float>(u), static_cast<float>(z));
-        si.dpdu = toFloat(toWorld_.vector({-2 * kPiD * y, 2 * kPiD * x, 0}));
-        si.dpdv = toFloat(toWorld_.z);
         si.ng = normalize(toFloat(toWorld_.vector({x, y, 0}))) * outwardSign_;
         si.ns = si.ng;
-        si.s = Frame::fromNormalAndTangent(si.ns, si.dpdu).s;
+        si.s = Frame::fromNormalAndTangent(si.ns, derivativeByU(x, y)).s;
         si.shape = this;
         si.primitive = 0;
         si.barycentric = Vec2f(0, 0);
+    }
+
+    Vec3f derivativeByU(double x, double y) const {
+        return toFloat(toWorld_.vector({-2 * kPiD * y, 2 * kPiD * x, 0}));
     }
 
     Affine toWorld_, toLocal_;

@@ -17,6 +17,13 @@ class Disk final : public AnalyticShape {
 
     float area() const override { return area_; }
 
+    Partials partialsAt(const SurfaceInteraction& si) const override {
+        const double phi = 2 * std::numbers::pi * static_cast<double>(si.uv.y);
+        const double x = std::cos(phi), y = std::sin(phi);
+        // Mitsuba leaves out the factor 2 pi r of dpdv; bump maps depend on it.
+        return {toFloat(toWorld_.vector({x, y, 0})), toFloat(toWorld_.vector({-y, x, 0}))};
+    }
+
     void bounds(Vec3f& lower, Vec3f& upper) const override {
         Vec3d extent;
         for (int i = 0; i < 3; ++i) extent[i] = std::hypot(toWorld_.x[i], toWorld_.y[i]);
@@ -50,11 +57,8 @@ class Disk final : public AnalyticShape {
         double v = std::atan2(y, x) / (2 * std::numbers::pi);
         if (v < 0) v += 1;
         si.uv = Vec2f(static_cast<float>(r), static_cast<float>(v));
-        const double cosPhi = r > 0 ? x / r : 1, sinPhi = r > 0 ? y / r : 0;
-        si.dpdu = toFloat(toWorld_.vector({cosPhi, sinPhi, 0}));
-        // Mitsuba leaves out the factor 2 pi r here; bump maps depend on it.
-        si.dpdv = toFloat(toWorld_.vector({-sinPhi, cosPhi, 0}));
-        si.s = Frame::fromNormalAndTangent(si.ns, si.dpdu).s;
+        const Vec3d radial = r > 0 ? Vec3d(x / r, y / r, 0) : Vec3d(1, 0, 0);
+        si.s = Frame::fromNormalAndTangent(si.ns, toFloat(toWorld_.vector(radial))).s;
         si.shape = this;
         si.primitive = 0;
         si.barycentric = Vec2f(0, 0);

@@ -5,6 +5,7 @@
 namespace metrolux {
 
 class Shape;
+class Transform;
 
 /// A point on a surface. Trivially copyable: it is stored with every path vertex.
 struct SurfaceInteraction {
@@ -12,12 +13,12 @@ struct SurfaceInteraction {
     Vec3f ng{0.0f};  ///< unit geometric normal, pointing to the outside of the shape (never flipped toward
                      ///< the viewer)
     Vec3f ns{0.0f};  ///< unit shading normal, on the same side as ng by construction of the mesh normals
-    Vec3f s{0.0f};   ///< unit shading tangent, along dpdu made orthogonal to ns
-    Vec3f dpdu{0.0f}, dpdv{0.0f};  ///< partial derivatives of position with respect to uv
-    Vec2f uv{0.0f};                ///< texture coordinates
+    Vec3f s{0.0f};   ///< unit shading tangent, along dp/du made orthogonal to ns
+    Vec2f uv{0.0f};  ///< texture coordinates
     const Shape* shape = nullptr;  ///< gives the BSDF and the emitter; for instances the prototype shape
-    uint32_t primitive = 0;        ///< triangle index within the shape, 0 for analytic shapes
-    Vec2f barycentric{0.0f};       ///< weights of the triangle's second and third vertex
+    const Transform* placement = nullptr;  ///< of the instance, null outside of instances
+    uint32_t primitive = 0;                ///< triangle index within the shape, 0 for analytic shapes
+    Vec2f barycentric{0.0f};               ///< weights of the triangle's second and third vertex
 
     Frame frame() const { return {s, cross(ns, s), ns}; }
     Vec3f toLocal(const Vec3f& v) const { return {dot(v, s), dot(v, cross(ns, s)), dot(v, ns)}; }

@@ -226,20 +226,39 @@ Intersector::Intersector(const std::vector<ShapePtr>& shapes, const std::vector<
 
 Intersector::~Intersector() = default;
 
-bool Intersector::intersect(const Ray& ray, SurfaceInteraction& si) const {
-    QueryContext context;
+namespace {
+
+/// A query for the nearest hit; true if there is one.
+bool nearest(RTCScene scene, const Ray& ray, QueryContext& context, RTCRayHit& query) {
     rtcInitIntersectContext(&context.embree);
-    RTCRayHit query;
     query.ray = toEmbree(ray);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(scene, &context.embree, &query);
+    return query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
+bool anything(RTCScene scene, const Ray& ray) {
+    QueryContext context;
+    rtcInitIntersectContext(&context.embree);
+    RTCRay query = toEmbree(ray);
+    rtcOccluded1(scene, &context.embree, &query);
+    return query.tfar < 0;
+}
+
+}  // namespace
+
+bool Intersector::intersect(const Ray& ray, SurfaceInteraction& si) const {
+    QueryContext context;
+    RTCRayHit query;
+    bool found;
     {
         const RayTimer timer(&RayCounters::intersectRays);
-        rtcIntersect1(impl_->top.scene, &context.embree, &query);
+        found = nearest(impl_->top.scene, ray, context, query);
     }
+    if (RayRecorder* recorder = RayRecorder::active()) recorder->add({ray, false, found});
+    if (!found) return false;
     const RTCHit& hit = query.hit;
-    if (hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
-
     const bool instanced = hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
     const PlacedGroup* placed =
         instanced ? &impl_->instances[hit.instID[0] - impl_->top.targets.size()] : nullptr;
@@ -256,20 +275,38 @@ bool Intersector::intersect(const Ray& ray, SurfaceInteraction& si) const {
         si.p = m.point(si.p);
         si.ng = normalize(m.normal(si.ng));
         si.ns = normalize(m.normal(si.ns));
-        si.dpdu = m.vector(si.dpdu);
-        si.dpdv = m.vector(si.dpdv);
-        si.s = Frame::fromNormalAndTangent(si.ns, si.dpdu).s;
+        si.placement = &m;
+        si.s = Frame::fromNormalAndTangent(si.ns, partials(si).dpdu).s;
+    } else {
+        si.placement = nullptr;
     }
     return true;
 }
 
 bool Intersector::occluded(const Ray& ray) const {
-    const RayTimer timer(&RayCounters::shadowRays);
+    bool found;
+    {
+        const RayTimer timer(&RayCounters::shadowRays);
+        found = anything(impl_->top.scene, ray);
+    }
+    if (RayRecorder* recorder = RayRecorder::active()) recorder->add({ray, true, found});
+    return found;
+}
+
+size_t Intersector::replay(std::span<const RecordedRay> rays) const {
+    size_t different = 0;
     QueryContext context;
-    rtcInitIntersectContext(&context.embree);
-    RTCRay query = toEmbree(ray);
-    rtcOccluded1(impl_->top.scene, &context.embree, &query);
-    return query.tfar < 0;
+    RTCRayHit query;
+    for (const RecordedRay& r : rays) {
+        const bool found = r.occlusion ? anything(impl_->top.scene, r.ray)
+                                       : nearest(impl_->top.scene, r.ray, context, query);
+        different += found != r.hit;
+    }
+    return different;
+}
+
+std::string Intersector::libraryVersion() {
+    return fmt::format("{}.{}.{}", RTC_VERSION_MAJOR, RTC_VERSION_MINOR, RTC_VERSION_PATCH);
 }
 
 void Intersector::bounds(Vec3f& lower, Vec3f& upper) const {

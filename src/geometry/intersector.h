@@ -1,7 +1,9 @@
 #pragma once
+#include "geometry/ray_recorder.h"
 #include "geometry/shape.h"
 
 #include <memory>
+#include <string>
 #include <vector>
 
 namespace metrolux {
@@ -26,7 +28,13 @@ class Intersector {
     /// Whether anything lies within (0, ray.tMax).
     bool occluded(const Ray& ray) const;
 
+    /// Asks Embree the same again and does nothing with the answers: what tracing rays alone costs. Returns
+    /// how many answers differ from the recorded ones (none, on the scene that they were recorded on).
+    size_t replay(std::span<const RecordedRay> rays) const;
+
     void bounds(Vec3f& lower, Vec3f& upper) const;
+    /// Embree's version, "3.13.5".
+    static std::string libraryVersion();
     static RayStatistics statistics();
     static void resetStatistics();
 

@@ -19,6 +19,14 @@ struct ShapeSample {
     float pdfArea = 0;  ///< density per area
 };
 
+/// Partial derivatives of position with respect to uv.
+struct Partials {
+    Vec3f dpdu{0.0f}, dpdv{0.0f};
+};
+/// Those of a surface point, in world space. Computed when asked for: only bump maps do. A point without a
+/// shape has its tangents.
+Partials partials(const SurfaceInteraction& si);
+
 /// A surface: a triangle mesh or an analytic primitive, in world space.
 class Shape {
   public:
@@ -40,6 +48,8 @@ class Shape {
     }
     /// World-space bounds.
     virtual void bounds(Vec3f& lower, Vec3f& upper) const = 0;
+    /// Partial derivatives of position in the shape's own space, where no instance places it.
+    virtual Partials partialsAt(const SurfaceInteraction& si) const = 0;
     virtual size_t primitiveCount() const { return 1; }
     /// Interpolated mesh attribute ("vertex_color", "face_weight" ...), or nullptr if the shape does not have
     /// it.
@@ -89,14 +99,19 @@ class TriangleMesh final : public Shape {
     float area() const override { return totalArea_; }
     ShapeSample sampleArea(const Vec2f& u) const override;
     void bounds(Vec3f& lower, Vec3f& upper) const override;
+    Partials partialsAt(const SurfaceInteraction& si) const override;
     size_t primitiveCount() const override { return indices.size() / 3; }
     bool attribute(const std::string& name, const SurfaceInteraction& si, Rgb& value) const override;
     int attributeChannels(const std::string& name) const override;
 
-    /// Fills everything of `si` for the point with barycentric coordinates (b1, b2) of a triangle.
+    /// Fills everything of `si` but the placement for the point with barycentric coordinates (b1, b2) of a
+    /// triangle.
     void interaction(uint32_t triangle, const Vec2f& barycentric, SurfaceInteraction& si) const;
 
   private:
+    /// Unit normal of the triangle with these vertices; `scaled`: cross product of its edges.
+    Vec3f geometricNormal(const uint32_t* vertices, const Imath::V3d& scaled) const;
+
     float totalArea_ = 0;
     std::vector<double> areaCdf_;
 };

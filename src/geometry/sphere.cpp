@@ -38,6 +38,13 @@ class Sphere final : public AnalyticShape {
 
     float area() const override { return area_; }
 
+    Partials partialsAt(const SurfaceInteraction& si) const override {
+        const double phi = 2 * kPiD * static_cast<double>(si.uv.x),
+                     theta = kPiD * static_cast<double>(si.uv.y);
+        const double x = std::cos(phi), y = std::sin(phi), rho = std::sin(theta), z = std::cos(theta);
+        return {derivativeByU(rho * x, rho * y), scaledToWorld(kPiD * z * x, kPiD * z * y, -kPiD * rho)};
+    }
+
     void bounds(Vec3f& lower, Vec3f& upper) const override {
         boundsAround(center_, Vec3d(radius_), lower, upper);
     }
@@ -121,19 +128,19 @@ class Sphere final : public AnalyticShape {
         if (phi < 0) phi += 2 * kPiD;
         si.uv =
             Vec2f(static_cast<float>(phi / (2 * kPiD)), static_cast<float>(std::atan2(rho, local.z) / kPiD));
-        const double cosPhi = rho > 0 ? local.x / rho : 1, sinPhi = rho > 0 ? local.y / rho : 0;
-        const auto toWorld = [&](double x, double y, double z) {
-            return toFloat((axes_[0] * x + axes_[1] * y + axes_[2] * z) * radius_);
-        };
-        si.dpdu = toWorld(-2 * kPiD * local.y, 2 * kPiD * local.x, 0);
-        si.dpdv = toWorld(kPiD * local.z * cosPhi, kPiD * local.z * sinPhi, -kPiD * rho);
         if (flip_) si.ng = -si.ng;
         si.ns = si.ng;
-        si.s = Frame::fromNormalAndTangent(si.ns, si.dpdu).s;
+        si.s = Frame::fromNormalAndTangent(si.ns, derivativeByU(local.x, local.y)).s;
         si.shape = this;
         si.primitive = 0;
         si.barycentric = Vec2f(0, 0);
     }
+
+    /// The object's axes in world space, times the radius.
+    Vec3f scaledToWorld(double x, double y, double z) const {
+        return toFloat((axes_[0] * x + axes_[1] * y + axes_[2] * z) * radius_);
+    }
+    Vec3f derivativeByU(double x, double y) const { return scaledToWorld(-2 * kPiD * y, 2 * kPiD * x, 0); }
 
     Vec3d center_;
     double radius_ = 1;

@@ -21,6 +21,25 @@ bool isVertexAttribute(const TriangleMesh::Attribute& attribute) {
     return attribute.name.starts_with("vertex_");
 }
 
+/// How a triangle's texture coordinates run along its edges e1 and e2.
+struct TextureAxes {
+    double du1 = 0, dv1 = 0, du2 = 0, dv2 = 0;
+    double inverse = 0;  ///< 1 / determinant
+    bool exist = false;
+
+    TextureAxes(const TriangleMesh& mesh, const uint32_t* v) {
+        if (mesh.uvs.empty()) return;
+        const Vec2f &t0 = mesh.uvs[v[0]], &t1 = mesh.uvs[v[1]], &t2 = mesh.uvs[v[2]];
+        du1 = double(t1.x) - t0.x, dv1 = double(t1.y) - t0.y;
+        du2 = double(t2.x) - t0.x, dv2 = double(t2.y) - t0.y;
+        const double determinant = du1 * dv2 - dv1 * du2;
+        exist = determinant != 0;
+        inverse = exist ? 1 / determinant : 0;
+    }
+    Vec3d derivativeByU(const Vec3d& e1, const Vec3d& e2) const { return (e1 * dv2 - e2 * dv1) * inverse; }
+    Vec3d derivativeByV(const Vec3d& e1, const Vec3d& e2) const { return (e2 * du1 - e1 * du2) * inverse; }
+};
+
 }  // namespace
 
 void TriangleMesh::finalize() {
@@ -94,41 +113,36 @@ void TriangleMesh::interaction(uint32_t triangle, const Vec2f& barycentric, Surf
     si.barycentric = barycentric;
 
     const Vec3d scaled = e1.cross(e2);
-    const double length = scaled.length();
-    si.ng = length > 0 ? toFloat(scaled / length) : Vec3f(0, 0, 1);
+    si.ng = geometricNormal(v, scaled);
     si.ns = si.ng;
     if (!normals.empty()) {
-        const Vec3f &n0 = normals[v[0]], &n1 = normals[v[1]], &n2 = normals[v[2]];
-        if (dot(si.ng, n0 + n1 + n2) < 0) si.ng = -si.ng;
-        const Vec3f n = interpolate(n0, n1, n2, barycentric);
+        const Vec3f n = interpolate(normals[v[0]], normals[v[1]], normals[v[2]], barycentric);
         const float norm = std::sqrt(lengthSquared(n));
-        si.ns = norm > 1e-6f ? n / norm : si.ng;
-    }
-    if (flipNormals) {
-        si.ng = -si.ng;
-        si.ns = -si.ns;
+        if (norm > 1e-6f) si.ns = n / (flipNormals ? -norm : norm);
     }
 
-    si.uv = barycentric;
-    bool hasTangents = false;
-    if (!uvs.empty()) {
-        const Vec2f &t0 = uvs[v[0]], &t1 = uvs[v[1]], &t2 = uvs[v[2]];
-        si.uv = interpolate(t0, t1, t2, barycentric);
-        const double du1 = double(t1.x) - t0.x, dv1 = double(t1.y) - t0.y;
-        const double du2 = double(t2.x) - t0.x, dv2 = double(t2.y) - t0.y;
-        const double determinant = du1 * dv2 - dv1 * du2;
-        if (determinant != 0) {
-            si.dpdu = toFloat((e1 * dv2 - e2 * dv1) / determinant);
-            si.dpdv = toFloat((e2 * du1 - e1 * du2) / determinant);
-            hasTangents = isFinite(si.dpdu) && isFinite(si.dpdv);
-        }
-    }
-    if (!hasTangents) {
-        const Frame frame = Frame::fromNormal(si.ng);
-        si.dpdu = frame.s;
-        si.dpdv = frame.t;
-    }
-    si.s = Frame::fromNormalAndTangent(si.ns, si.dpdu).s;
+    si.uv = uvs.empty() ? barycentric : interpolate(uvs[v[0]], uvs[v[1]], uvs[v[2]], barycentric);
+    const TextureAxes axes(*this, v);
+    const Vec3f tangent = axes.exist ? toFloat(axes.derivativeByU(e1, e2)) : Frame::fromNormal(si.ng).s;
+    si.s = Frame::fromNormalAndTangent(si.ns, tangent).s;
+}
+
+Vec3f TriangleMesh::geometricNormal(const uint32_t* v, const Vec3d& scaled) const {
+    const double length = scaled.length();
+    Vec3f n = length > 0 ? toFloat(scaled * (1 / length)) : Vec3f(0, 0, 1);
+    if (!normals.empty() && dot(n, normals[v[0]] + normals[v[1]] + normals[v[2]]) < 0) n = -n;
+    return flipNormals ? -n : n;
+}
+
+Partials TriangleMesh::partialsAt(const SurfaceInteraction& si) const {
+    const uint32_t* v = &indices[3 * size_t(si.primitive)];
+    const Vec3d p0 = toDouble(positions[v[0]]);
+    const Vec3d e1 = toDouble(positions[v[1]]) - p0, e2 = toDouble(positions[v[2]]) - p0;
+    const TextureAxes axes(*this, v);
+    const Partials result{toFloat(axes.derivativeByU(e1, e2)), toFloat(axes.derivativeByV(e1, e2))};
+    if (axes.exist && isFinite(result.dpdu) && isFinite(result.dpdv)) return result;
+    const Frame frame = Frame::fromNormal(geometricNormal(v, e1.cross(e2)));
+    return {frame.s, frame.t};
 }
 
 ShapeSample TriangleMesh::sampleArea(const Vec2f& u) const {
@@ -175,6 +189,13 @@ bool TriangleMesh::attribute(const std::string& name, const SurfaceInteraction& 
         return true;
     }
     return false;
+}
+
+Partials partials(const SurfaceInteraction& si) {
+    if (!si.shape) return {si.s, cross(si.ns, si.s)};
+    Partials result = si.shape->partialsAt(si);
+    if (si.placement) result = {si.placement->vector(result.dpdu), si.placement->vector(result.dpdv)};
+    return result;
 }
 
 }  // namespace metrolux

@@ -24,6 +24,7 @@ class PrimarySampleStream final : public SampleStream {
         const float x = next1D();
         return {x, next1D()};
     }
+    void skip(int count) override { position_ += static_cast<size_t>(count); }
 
   private:
     PrimarySample& u_;

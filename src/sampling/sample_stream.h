@@ -19,6 +19,8 @@ class SampleStream {
     virtual void seek(int block) = 0;
     virtual float next1D() = 0;  ///< in [0, 1)
     virtual Vec2f next2D() = 0;  ///< in [0, 1)^2
+    /// Passes over coordinates that are not needed.
+    virtual void skip(int count) = 0;
 
     static constexpr int blockOffset(int block) {
         return block == 0 ? 0 : kEndpointBlock + (block - 1) * kVertexBlock;

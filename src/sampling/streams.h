@@ -24,6 +24,7 @@ class IndependentStream final : public SampleStream {
         const float x = rng_.next1D();
         return {x, rng_.next1D()};
     }
+    void skip(int count) override { rng_.seek(rng_.counter() + static_cast<uint64_t>(count)); }
 
   private:
     CounterRng rng_;
@@ -42,6 +43,7 @@ class InterleavedStream final : public SampleStream {
     }
     float next1D() override { return base_.next1D(); }
     Vec2f next2D() override { return base_.next2D(); }
+    void skip(int count) override { base_.skip(count); }
 
   private:
     static_assert(kEndpointBlock % kVertexBlock == 0, "else a block could begin within one of the base's");
@@ -58,15 +60,21 @@ class InterleavedStream final : public SampleStream {
 class SobolStream final : public SampleStream {
   public:
     /// `key` names the pixel, `index` counts its samples.
-    SobolStream(uint64_t key, uint32_t index) : key_(key), index_(index) {}
+    SobolStream(uint64_t key, uint32_t index);
     void seek(int block) override { coordinate_ = static_cast<uint64_t>(blockOffset(block)); }
     float next1D() override;
     Vec2f next2D() override;
+    void skip(int count) override { coordinate_ += static_cast<uint64_t>(count); }
 
   private:
-    uint64_t key_;
-    uint32_t index_;
+    uint64_t hash() const;    ///< of key and coordinate
+    uint64_t keyHash_;        ///< the part of it that does not change
+    uint32_t reversedIndex_;  ///< bits in reverse order
     uint64_t coordinate_ = 0;
 };
+
+/// The first `32` digits of the index-th point of the second dimension of Sobol's sequence, the most
+/// significant one in bit 0.
+uint32_t sobolSecondReversed(uint32_t index);
 
 }  // namespace metrolux

@@ -1,5 +1,7 @@
 #include "scattering/bump_map.h"
 
+#include "geometry/shape.h"
+
 namespace metrolux {
 namespace {
 
@@ -15,7 +17,8 @@ class BumpMap final : public PerturbedBsdf {
         const auto displaced = [&](const Vec3f& dp, float slope) {
             return dp + si.ns * (slope - dot(si.ns, dp));
         };
-        Vec3f n = cross(displaced(si.dpdu, gradient.x), displaced(si.dpdv, gradient.y));
+        const Partials p = partials(si);
+        Vec3f n = cross(displaced(p.dpdu, gradient.x), displaced(p.dpdv, gradient.y));
         if (dot(n, si.ng) < 0) n = -n;
         return si.toLocal(n);
     }

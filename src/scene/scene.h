@@ -48,6 +48,7 @@ class Scene {
     /// Whether x sees infinity in direction w.
     bool visibleToInfinity(const Vec3f& x, const Vec3f& ng, const Vec3f& w) const;
 
+    const Intersector& intersector() const { return *intersector_; }
     const Camera& camera() const { return *parts_.camera; }
     const std::vector<LightPtr>& lights() const { return parts_.lights; }
     const Light* environment() const { return environment_; }

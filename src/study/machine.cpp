@@ -1,5 +1,8 @@
 #include "study/machine.h"
 
+#include "geometry/intersector.h"
+#include "study/build_description.h"
+
 #include <fmt/chrono.h>
 #include <tbb/version.h>
 
@@ -48,10 +51,17 @@ nlohmann::json describeMachine(int threads) {
     const auto pages = static_cast<uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
     const auto pageSize = static_cast<uint64_t>(std::max(0L, ::sysconf(_SC_PAGE_SIZE)));
     return {
-        {"processor", processorName()}, {"cores", std::thread::hardware_concurrency()},
-        {"threads", threads},           {"memory_bytes", pages * pageSize},
-        {"system", systemName()},       {"compiler", kCompiler},
-        {"tbb", TBB_runtime_version()}, {"load", loadAverage()},
+        {"processor", processorName()},
+        {"cores", std::thread::hardware_concurrency()},
+        {"threads", threads},
+        {"memory_bytes", pages * pageSize},
+        {"system", systemName()},
+        {"compiler", kCompiler},
+        {"tbb", TBB_runtime_version()},
+        {"load", loadAverage()},
+        {"flags", kBuildFlags},
+        {"revision", kBuildRevision},
+        {"embree", Intersector::libraryVersion()},
     };
 }
 

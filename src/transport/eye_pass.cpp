@@ -60,7 +60,7 @@ class EyeVisitor final : public SubpathVisitor {
 Rgb EyePass::estimateDirect(const Vertex& v, SampleStream& nee, Film& film) const {
     nee.seek(v.depth);
     const float uLight = nee.next1D();
-    nee.next1D();  // keeps the pair that follows aligned
+    nee.skip(1);  // keeps the pair that follows aligned
     const Rgb value = connectToLight(scene, strategies, v, uLight, nee.next2D());
     return film.rejectNonFinite(value, Technique::Nee) ? Rgb(0.0f) : value;
 }

@@ -1,5 +1,6 @@
 #include "transport/light_pass.h"
 
+#include "base/prefetch.h"
 #include "transport/connect.h"
 #include "transport/subpath.h"
 
@@ -24,6 +25,15 @@ class LightVisitor final : public SubpathVisitor {
         inverseDiskArea_ = 1.0 / (double(kPi) * r * r);
     }
 
+    ~LightVisitor() override {
+        if (!pass_.work) return;
+        pass_.work->splats += splatsTried_;
+        pass_.work->connections += connectionsTried_;
+        pass_.work->merges += mergesFound_;
+    }
+    LightVisitor(const LightVisitor&) = delete;
+    LightVisitor& operator=(const LightVisitor&) = delete;
+
     bool surface(const Vertex& v) override {
         const int limit =
             pass_.limits.maxDepth < 0 ? std::numeric_limits<int>::max() / 2 : pass_.limits.maxDepth;
@@ -39,6 +49,7 @@ class LightVisitor final : public SubpathVisitor {
 
   private:
     void splat(const Vertex& v) {
+        ++splatsTried_;
         Vec2f raster;
         const Rgb value = connectToCamera(pass_.scene, pass_.strategies, v, uLens_, pass_.weighted, raster);
         if (!pass_.film.rejectNonFinite(value, Technique::Splat) && !isBlack(value))
@@ -48,19 +59,34 @@ class LightVisitor final : public SubpathVisitor {
     void connect(const Vertex& v, int limit) {
         for (const Vertex& eye : partner_) {
             if (v.depth + eye.depth + 1 > limit) break;
+            ++connectionsTried_;
             addPixel(eye.pixel, connectVertices(pass_.scene, pass_.strategies, v, eye) * connectionScale_,
                      Technique::Connect);
         }
     }
 
     void merge(const Vertex& v, int limit) {
-        const std::span<const Vertex> eyes = pass_.eyes.all();
+        const Vertex* const eyes = pass_.eyes.all().data();
+        // In batches, so that the vertices come from memory while others are looked for.
+        std::array<uint32_t, 16> batch;
+        size_t size = 0;
+        const auto flush = [&] {
+            for (size_t i = 0; i < size; ++i) merge(v, eyes[batch[i]], limit);
+            size = 0;
+        };
         pass_.grid.query(v.si.p, [&](uint32_t index) {
-            const Vertex& eye = eyes[index];
-            if (v.depth + eye.depth > limit) return;
-            addPixel(eye.pixel, mergeVertices(pass_.strategies, v, eye, inverseDiskArea_, pass_.weighted),
-                     Technique::Merge);
+            prefetch(eyes + index, sizeof(Vertex));
+            batch[size++] = index;
+            if (size == batch.size()) flush();
         });
+        flush();
+    }
+
+    void merge(const Vertex& v, const Vertex& eye, int limit) {
+        if (v.depth + eye.depth > limit) return;
+        ++mergesFound_;
+        addPixel(eye.pixel, mergeVertices(pass_.strategies, v, eye, inverseDiskArea_, pass_.weighted),
+                 Technique::Merge);
     }
 
     void addPixel(uint32_t pixel, const Rgb& value, Technique technique) {
@@ -76,6 +102,7 @@ class LightVisitor final : public SubpathVisitor {
     PhotonDensity* counted_;
     std::vector<Vec3f>* trail_;
     double inverseDiskArea_;
+    uint64_t splatsTried_ = 0, connectionsTried_ = 0, mergesFound_ = 0;
 };
 
 /// Distance along the Hilbert curve that fills a 2^order square (the classic quadrant walk).
@@ -101,7 +128,7 @@ uint64_t hilbertDistance(int order, uint32_t x, uint32_t y) {
 
 Vec2f LightPass::lensCoordinates(SampleStream& stream) {
     stream.seek(0);
-    for (int i = 0; i < kLensCoordinate; ++i) stream.next1D();
+    stream.skip(kLensCoordinate);
     return stream.next2D();
 }
 
@@ -110,7 +137,7 @@ void LightPass::evaluate(SampleStream& stream, SplatList& splats, PhotonDensity*
     splats.clear();
     if (trail) trail->clear();
     stream.seek(0);
-    for (int i = 0; i < kEyeSubpathCoordinate; ++i) stream.next1D();
+    stream.skip(kEyeSubpathCoordinate);
     const float uEye = stream.next1D();
     // One eye subpath of N is picked: its pixel's share stands for all.
     std::span<const Vertex> partner;

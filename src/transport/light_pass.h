@@ -5,9 +5,16 @@
 #include "transport/pixel_importance.h"
 #include "transport/vertex_grid.h"
 
+#include <atomic>
 #include <span>
 
 namespace metrolux {
+
+/// How often a light pass has done what, for measurements.
+struct LightWork {
+    std::atomic<uint64_t> splats{0}, connections{0};  ///< tried
+    std::atomic<uint64_t> merges{0};                  ///< vertices within the radius
+};
 
 /// evaluate(u) -> splats of ALGORITHM.md section 2: everything that one light subpath contributes in an
 /// iteration. A pure function of the stream, given the iteration's eye vertices.
@@ -20,8 +27,9 @@ struct LightPass {
     Film& film;           ///< counts non-finite contributions, nothing else
     bool connect = true;  ///< connect with the vertices of one eye subpath
     bool merge = true;
-    bool splat = true;     ///< connect with the camera
-    bool weighted = true;  ///< false: splats (light tracing) or merges (photon mapping) have weight one
+    bool splat = true;          ///< connect with the camera
+    bool weighted = true;       ///< false: splats (light tracing) or merges (photon mapping) have weight one
+    LightWork* work = nullptr;  ///< counts, if given
     const PixelImportance* importance = nullptr;  ///< of size(); null: all pixels count alike
 
     /// Coordinates of block 0 that the light's emission does not use.

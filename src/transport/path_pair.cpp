@@ -133,7 +133,7 @@ void PathPair::one(int length, SampleStream& u, SplatList& splats) const {
     if (s == 1) {
         streams.nee.seek(eye.vertex()->depth);
         const float uLight = streams.nee.next1D();
-        streams.nee.next1D();  // as EyePass: keeps the pair that follows aligned
+        streams.nee.skip(1);  // as EyePass: keeps the pair that follows aligned
         add(connectToLight(scene, strategies, *eye.vertex(), uLight, streams.nee.next2D()), Technique::Nee);
     } else {
         add(connectVertices(scene, strategies, *light.vertex(), *eye.vertex()), Technique::Connect);

@@ -7,7 +7,10 @@
 namespace metrolux {
 
 PhotonDensity::PhotonDensity(double cell)
-    : inverseCell_(1 / cell), counts_(new std::atomic<uint32_t>[kBuckets]()), sums_(kBuckets, 0) {
+    : inverseCell_(1 / cell),
+      counts_(new std::atomic<uint32_t>[kBuckets]()),
+      sums_(kBuckets, 0),
+      densities_(kBuckets, 0) {
     // Mean area of a plane's cut through a cell that it meets: cell^2 * 1 if parallel to a face, up to 1.3
     // aslant.
     constexpr double kMeanCut = 1.2;
@@ -20,9 +23,12 @@ size_t PhotonDensity::bucketOf(const Vec3f& p) const {
 }
 
 void PhotonDensity::endIteration(double lightSubpaths) {
-    for (size_t i = 0; i < kBuckets; ++i) sums_[i] += counts_[i].exchange(0, std::memory_order_relaxed);
     lightSubpaths_ += lightSubpaths;
-    scale_ = lightSubpaths_ > 0 ? 1 / (lightSubpaths_ * area_) : 0;
+    const double scale = lightSubpaths_ > 0 ? 1 / (lightSubpaths_ * area_) : 0;
+    for (size_t i = 0; i < kBuckets; ++i) {
+        sums_[i] += counts_[i].exchange(0, std::memory_order_relaxed);
+        densities_[i] = static_cast<float>(sums_[i] * scale);
+    }
 }
 
 }  // namespace metrolux

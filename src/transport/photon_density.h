@@ -22,15 +22,16 @@ class PhotonDensity {
     void endIteration(double lightSubpaths);
     /// Expected number of vertices per light subpath and area around p; 0 before the first iteration has
     /// ended.
-    double at(const Vec3f& p) const { return sums_[bucketOf(p)] * scale_; }
+    double at(const Vec3f& p) const { return densities_[bucketOf(p)]; }
 
   private:
     static constexpr size_t kBuckets = size_t{1} << 18;
     size_t bucketOf(const Vec3f& p) const;
 
-    double inverseCell_, area_, lightSubpaths_ = 0, scale_ = 0;
+    double inverseCell_, area_, lightSubpaths_ = 0;
     std::unique_ptr<std::atomic<uint32_t>[]> counts_;
     std::vector<double> sums_;
+    std::vector<float> densities_;  ///< small, because at() waits for memory more than for anything else
 };
 
 }  // namespace metrolux

@@ -11,13 +11,16 @@ struct Vertex {
     Vec3f toPrevious{0.0f};  ///< unit direction to the predecessor
     float distanceToPrevious = 0;
     Rgb throughput{0.0f};  ///< product of value / density up to the arrival at this vertex
+    float mergeShare = 1;  ///< Strategies::mergeShare() here
     MisState mis;          ///< at arrival
     uint32_t pixel = 0;    ///< eye subpaths: index in the rendered window
     int depth = 0;         ///< edges between the endpoint and this vertex
-    float mergeShare = 1;  ///< Strategies::mergeShare() here
 
     const Bsdf& bsdf() const { return *si.shape->bsdf; }
 };
+
+// One or several for each pixel are kept in an iteration.
+static_assert(sizeof(Vertex) <= 160);
 
 /// Value and densities of scattering at a vertex toward a world direction.
 struct VertexScattering {

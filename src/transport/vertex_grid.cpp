@@ -1,31 +1,50 @@
 #include "transport/vertex_grid.h"
 
 #include "base/parallel.h"
+#include "base/prefetch.h"
 #include "base/rng.h"
 
 #include <bit>
 
 namespace metrolux {
 
+namespace {
+
+/// Cells of a block, as many as starts_ fit in a cache line.
+constexpr uint32_t kBlockCells = 16;
+
+}  // namespace
+
 uint32_t VertexGrid::bucketOf(int64_t x, int64_t y, int64_t z) const {
-    return static_cast<uint32_t>(hashKey(x, y, z)) & mask_;
+    const uint32_t block = static_cast<uint32_t>(hashKey(x >> 2, y >> 1, z >> 1)) & blockMask_;
+    return block * kBlockCells + static_cast<uint32_t>((x & 3) | (y & 1) << 2 | (z & 1) << 3);
 }
 
-int VertexGrid::bucketsAround(const Vec3f& p, std::array<uint32_t, 8>& buckets) const {
+int VertexGrid::bucketsAround(const Vec3f& p, std::array<std::span<const Entry>, 8>& buckets) const {
     int64_t low[3], high[3];
     for (int axis = 0; axis < 3; ++axis) {
         low[axis] = static_cast<int64_t>(std::floor((double(p[axis]) - radius_) * inverseCell_));
         high[axis] = static_cast<int64_t>(std::floor((double(p[axis]) + radius_) * inverseCell_));
     }
+    std::array<uint32_t, 8> touched;
     int count = 0;
     for (int64_t z = low[2]; z <= high[2]; ++z)
         for (int64_t y = low[1]; y <= high[1]; ++y)
             for (int64_t x = low[0]; x <= high[0]; ++x) {
                 const uint32_t bucket = bucketOf(x, y, z);
-                if (std::find(buckets.begin(), buckets.begin() + count, bucket) == buckets.begin() + count)
-                    buckets[count++] = bucket;
+                if (std::find(touched.begin(), touched.begin() + count, bucket) != touched.begin() + count)
+                    continue;
+                touched[count++] = bucket;
+                prefetch(&starts_[bucket]);
             }
-    return count;
+    int filled = 0;
+    for (int i = 0; i < count; ++i) {
+        const uint32_t begin = starts_[touched[i]], end = starts_[touched[i] + 1];
+        if (begin == end) continue;
+        buckets[filled++] = {entries_.data() + begin, end - begin};
+        prefetch(entries_.data() + begin);
+    }
+    return filled;
 }
 
 template <class PositionOf>
@@ -36,8 +55,9 @@ void VertexGrid::buildFrom(size_t n, float radius, PositionOf&& positionOf) {
     inverseCell_ = 1.0 / (2.0 * double(radius) * (1.0 + 1e-6));
     entries_.resize(n);
     if (n == 0) return;
-    mask_ = std::bit_ceil(static_cast<uint32_t>(n)) - 1;
-    starts_.assign(size_t(mask_) + 2, 0);
+    const uint32_t blocks = std::bit_ceil(static_cast<uint32_t>(n / kBlockCells + 1));
+    blockMask_ = blocks - 1;
+    starts_.assign(size_t(blocks) * kBlockCells + 1, 0);
 
     std::vector<uint32_t> buckets(n);
     constexpr size_t kChunk = 8192;

@@ -1,6 +1,8 @@
 #pragma once
 #include "transport/vertex.h"
 
+#include <tbb/cache_aligned_allocator.h>
+
 #include <array>
 #include <span>
 #include <vector>
@@ -8,7 +10,9 @@
 namespace metrolux {
 
 /// Hash grid over the eye vertices (or other points) of an iteration, counting-sorted into buckets. Cells are
-/// two radii wide, so that a ball of one radius touches at most eight of them.
+/// two radii wide, so that a ball of one radius touches at most eight of them. Blocks of 4 x 2 x 2 cells are
+/// hashed as one and their buckets lie side by side in a cache line: these eight cells are in three lines on
+/// average.
 class VertexGrid {
   public:
     /// Keeps positions and indices, not the vertices. `radius` > 0, finite.
@@ -46,22 +50,22 @@ class VertexGrid {
     template <class Accept>
     bool findWithin(const Vec3f& p, Accept&& accept) const {
         if (entries_.empty()) return false;
-        std::array<uint32_t, 8> buckets;
+        std::array<std::span<const Entry>, 8> buckets;
         const int count = bucketsAround(p, buckets);
         for (int b = 0; b < count; ++b)
-            for (uint32_t i = starts_[buckets[b]]; i < starts_[buckets[b] + 1]; ++i)
-                if (lengthSquared(entries_[i].position - p) <= radiusSquared_ && accept(entries_[i]))
-                    return true;
+            for (const Entry& e : buckets[b])
+                if (lengthSquared(e.position - p) <= radiusSquared_ && accept(e)) return true;
         return false;
     }
     uint32_t bucketOf(int64_t x, int64_t y, int64_t z) const;
-    /// Distinct buckets of the cells that the ball around p touches: cells that hash alike are visited once.
-    int bucketsAround(const Vec3f& p, std::array<uint32_t, 8>& buckets) const;
+    /// Distinct non-empty buckets of the cells that the ball around p touches: cells that hash alike are
+    /// visited once.
+    int bucketsAround(const Vec3f& p, std::array<std::span<const Entry>, 8>& buckets) const;
 
     float radius_ = 0, radiusSquared_ = 0;
     double inverseCell_ = 0;
-    uint32_t mask_ = 0;
-    std::vector<uint32_t> starts_;
+    uint32_t blockMask_ = 0;
+    std::vector<uint32_t, tbb::cache_aligned_allocator<uint32_t>> starts_;
     std::vector<Entry> entries_;
 };
 

@@ -13,6 +13,7 @@ TEST_F(CliTest, HelpTeachesWithExamples) {
                                                     {"render", "--help"},
                                                     {"compare", "--help"},
                                                     {"study", "--help"},
+                                                    {"bench", "--help"},
                                                     {"info", "-h"}}) {
         const Outcome outcome = run(command);
         EXPECT_EQ(outcome.status, 0) << command[0];

@@ -78,11 +78,18 @@ class BitmapTexture final : public Texture {
     Patch patchAt(const Vec2f& p) const {
         const float px = p.x - 0.5f, py = p.y - 0.5f;
         const int x = floorInt(px), y = floorInt(py);
-        return {wrapped(x, y),         wrapped(x + 1, y),          wrapped(x, y + 1),
-                wrapped(x + 1, y + 1), px - static_cast<float>(x), py - static_cast<float>(y)};
+        const int x0 = wrap(x, image_.width), x1 = wrap(x + 1, image_.width);
+        const int y0 = wrap(y, image_.height), y1 = wrap(y + 1, image_.height);
+        return {texel(x0, y0),
+                texel(x1, y0),
+                texel(x0, y1),
+                texel(x1, y1),
+                px - static_cast<float>(x),
+                py - static_cast<float>(y)};
     }
 
     int wrap(int i, int size) const {
+        if (i >= 0 && i < size) return i;
         if (image_.wrap == BitmapTextureParameters::Wrap::Clamp) return std::clamp(i, 0, size - 1);
         const bool mirror = image_.wrap == BitmapTextureParameters::Wrap::Mirror;
         const int period = mirror ? 2 * size : size;

@@ -31,7 +31,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
     {"io", {"base", "image", "geometry", "scattering", "endpoint", "scene"}},
     {"render",
      {"base", "sampling", "image", "geometry", "scattering", "endpoint", "scene", "integrators", "io"}},
-    {"study", {"base", "image", "geometry", "endpoint", "scene", "integrators", "render"}},
+    {"study", {"base", "image", "geometry", "endpoint", "scene", "transport", "integrators", "render"}},
     {"app",
      {"base", "sampling", "image", "geometry", "scattering", "endpoint", "scene", "integrators", "io",
       "render", "study"}},

@@ -32,8 +32,8 @@ TEST(Shapes, SphereFollowsMitsubasParameters) {
     expectNear(si.ng, {0, 1, 0}, 1e-6f, "ng");
     EXPECT_NEAR(si.uv.x, 0.25, 1e-6);  // angle around z from x
     EXPECT_NEAR(si.uv.y, 0.5, 1e-6);   // angle from +z
-    expectNear(si.dpdu, {-4 * kPi, 0, 0}, 1e-5f, "dpdu");
-    expectNear(si.dpdv, {0, 0, -2 * kPi}, 1e-5f, "dpdv");
+    expectNear(partials(si).dpdu, {-4 * kPi, 0, 0}, 1e-5f, "dpdu");
+    expectNear(partials(si).dpdv, {0, 0, -2 * kPi}, 1e-5f, "dpdv");
     EXPECT_NEAR(sphere->area(), 16 * kPi, 1e-3);
     // From inside, the far side is hit and the normal still points outside.
     const SurfaceInteraction inside = hit(sphere, {1, 2, 3}, {0, 0, 1});
@@ -90,7 +90,7 @@ TEST(Shapes, CylinderHasNoCaps) {
     expectNear(si.ng, {0, 1, 0}, 1e-6f, "ng");
     EXPECT_NEAR(si.uv.x, 0.25, 1e-6);
     EXPECT_NEAR(si.uv.y, 0.5, 1e-6);
-    expectNear(si.dpdv, {0, 0, 4}, 1e-5f, "dpdv");
+    expectNear(partials(si).dpdv, {0, 0, 4}, 1e-5f, "dpdv");
     EXPECT_TRUE(misses(cylinder, {0, 0, 10}, {0, 0, -1}));
     EXPECT_TRUE(misses(cylinder, {0, 10, 3.01f}, {0, -1, 0}));
     // Through the open end onto the inside of the far wall.
@@ -110,8 +110,8 @@ TEST(Shapes, RectangleFollowsTheInverseTransposeWhenMirrored) {
     expectNear(si.ng, {0, 0, 1}, 1e-6f, "ng");
     EXPECT_NEAR(si.uv.x, 0.75, 1e-6);
     EXPECT_NEAR(si.uv.y, 0.25, 1e-6);
-    expectNear(si.dpdu, {2, 0, 0}, 1e-6f, "dpdu");
-    expectNear(si.dpdv, {0, 2, 0}, 1e-6f, "dpdv");
+    expectNear(partials(si).dpdu, {2, 0, 0}, 1e-6f, "dpdu");
+    expectNear(partials(si).dpdv, {0, 2, 0}, 1e-6f, "dpdv");
     EXPECT_NEAR(rectangle->area(), 4, 1e-5);
     const SurfaceInteraction mirrored =
         hit(makeRectangle(Transform::scale({-1, 1, 1}), false), {0.5f, -0.5f, 2}, {0, 0, -1});
@@ -183,8 +183,10 @@ TEST(Shapes, RaysReturnToSampledPointsAndBoundsHoldThem) {
             expectNear(found.p, si.p, 1e-5f, "p");
             expectNear(found.ng, si.ng, 1e-4f, "ng");
             EXPECT_LE((found.uv - si.uv).length(), 1e-4f);
-            EXPECT_LE((found.dpdu - si.dpdu).length(), 1e-3f * si.dpdu.length());
-            EXPECT_LE((found.dpdv - si.dpdv).length(), 1e-3f * si.dpdv.length());
+            EXPECT_LE((partials(found).dpdu - partials(si).dpdu).length(),
+                      1e-3f * partials(si).dpdu.length());
+            EXPECT_LE((partials(found).dpdv - partials(si).dpdv).length(),
+                      1e-3f * partials(si).dpdv.length());
         }
     }
 }
@@ -204,7 +206,8 @@ TEST(Shapes, TangentsAreTheDerivativesOfPosition) {
             if (d.length() > 0.01f || dot(a.ng, b.ng) < 0.99f) continue;  // across a seam or an edge
             // Mitsuba's dpdv of a disk is per unit of arc on the unit circle.
             const bool disk = std::string(name) == "disk";
-            const Vec3f predicted = a.dpdu * d.x + a.dpdv * (disk ? d.y * 2 * kPi * a.uv.x : d.y);
+            const Vec3f predicted =
+                partials(a).dpdu * d.x + partials(a).dpdv * (disk ? d.y * 2 * kPi * a.uv.x : d.y);
             EXPECT_LE((predicted - (b.p - a.p)).length(), 0.05f * (b.p - a.p).length());
             ++compared;
         }

@@ -62,15 +62,15 @@ TEST(TriangleMesh, TangentsComeFromTextureCoordinates) {
     mesh.finalize();
     SurfaceInteraction si;
     mesh.interaction(0, {0.5f, 0.25f}, si);
-    expectNear(si.dpdu, {0, 0.25f, 0}, 1e-6f, "dpdu");
-    expectNear(si.dpdv, {0.5f, 0, 0}, 1e-6f, "dpdv");
+    expectNear(partials(si).dpdu, {0, 0.25f, 0}, 1e-6f, "dpdu");
+    expectNear(partials(si).dpdv, {0.5f, 0, 0}, 1e-6f, "dpdv");
     EXPECT_NEAR(si.uv.x, 1, 1e-6);
     EXPECT_NEAR(si.uv.y, 1, 1e-6);
     expectNear(si.s, {0, 1, 0}, 1e-6f, "s");
     mesh.uvs = {{1, 1}, {1, 1}, {1, 1}};
     mesh.interaction(0, {0.5f, 0.25f}, si);
     checkFrame(si);
-    EXPECT_GT(si.dpdu.length(), 0.5f);
+    EXPECT_GT(partials(si).dpdu.length(), 0.5f);
 }
 
 TEST(TriangleMesh, SmoothNormalsAreWeightedByAngle) {

@@ -48,6 +48,43 @@ TEST(IndependentStream, SeekReproducesACoordinateFromAnywhere) {
     EXPECT_EQ(pair, Vec2f(forth[4], forth[5]));
 }
 
+/// By the recurrence of the direction numbers.
+uint32_t sobolSecondByDefinition(uint32_t index) {
+    uint32_t result = 0;
+    for (uint32_t v = 1; index != 0; index >>= 1, v ^= v << 1)
+        if (index & 1u) result ^= v;
+    return result;
+}
+
+TEST(SobolStream, SecondDimensionIsSobols) {
+    // The first eight points are 0, 1/2, 3/4, 1/4, 5/8, 1/8, 3/8, 7/8.
+    const uint32_t eighths[] = {0, 1, 3, 2, 5, 4, 6, 7};
+    for (uint32_t i = 0; i < 8; ++i) EXPECT_EQ(sobolSecondReversed(i), eighths[i]) << i;
+    CounterRng rng(hashKey(77));
+    for (int i = 0; i < 10000; ++i) {
+        const auto index = static_cast<uint32_t>(rng.nextBits());
+        ASSERT_EQ(sobolSecondReversed(index), sobolSecondByDefinition(index)) << index;
+    }
+}
+
+template <class Stream>
+void expectSkipPassesOver(Stream&& skipping, Stream&& reading) {
+    skipping.seek(0);
+    reading.seek(0);
+    for (const int count : {1, 5, 0, 6}) {
+        skipping.skip(count);
+        for (int i = 0; i < count; ++i) reading.next1D();
+        ASSERT_EQ(skipping.next1D(), reading.next1D());
+    }
+}
+
+TEST(SampleStream, SkippedCoordinatesAreAsIfRead) {
+    expectSkipPassesOver(IndependentStream(5), IndependentStream(5));
+    expectSkipPassesOver(SobolStream(5, 9), SobolStream(5, 9));
+    SobolStream a(6, 1), b(6, 1);
+    expectSkipPassesOver(InterleavedStream(a, 1, 3), InterleavedStream(b, 1, 3));
+}
+
 TEST(SobolStream, SeekReproducesACoordinateFromAnywhere) {
     SobolStream a(99, 5), b(99, 5);
     const std::vector<float> forth = readBlocks(a, {1, 2, 3, 7}), back = readBlocks(b, {7, 3, 2, 1});

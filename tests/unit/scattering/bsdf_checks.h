@@ -33,8 +33,7 @@ inline SurfaceInteraction flatInteraction(const Vec2f& uv = {0.3f, 0.6f}) {
     SurfaceInteraction si;
     si.p = Vec3f(0, 0, 0);
     si.ng = si.ns = Vec3f(0, 0, 1);
-    si.s = si.dpdu = Vec3f(1, 0, 0);
-    si.dpdv = Vec3f(0, 1, 0);
+    si.s = Vec3f(1, 0, 0);
     si.uv = uv;
     si.barycentric = Vec2f(0.2f, 0.3f);
     return si;

@@ -51,6 +51,7 @@ class Recorder final : public SampleStream {
         next1D();
         return {0, 0};
     }
+    void skip(int count) override { position_ += count; }
 
   private:
     int position_ = 0;

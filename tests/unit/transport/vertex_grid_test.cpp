@@ -123,7 +123,7 @@ TEST(Vertex, IsSmallAndPlain) {
     // Not formally trivially copyable only because Imath's vectors declare their copies.
     static_assert(std::is_trivially_destructible_v<Vertex> && std::is_nothrow_copy_constructible_v<Vertex>);
     RecordProperty("bytes", static_cast<int>(sizeof(Vertex)));
-    EXPECT_LE(sizeof(Vertex), 176u);  // one or several for each pixel are kept in an iteration
+    EXPECT_LE(sizeof(Vertex), 160u);
 }
 
 }  // namespace

@@ -1,0 +1,35 @@
+#pragma once
+/// What a renderer's time goes to: `metrolux bench`, docs/performance.md.
+
+#include "integrators/integrator.h"
+
+#include <nlohmann/json.hpp>
+
+#include <string>
+
+namespace metrolux::study {
+
+struct SpeedOptions {
+    std::string integrator = "mcmc_vcm";  ///< a name of integratorList()
+    IntegratorOptions options;
+    int threads = 2;
+    uint32_t passes = 5;  ///< rounds that are measured; each measures a pass in every way once
+    uint32_t warmUp = 3;  ///< passes before them: the chains of mcmc_vcm start with the third
+};
+
+/// Whole passes of the integrator, with `threads` threads and with one, each beside the replay of the pass's
+/// rays through bare Embree. The ways take turns pass by pass and all numbers are medians over the rounds, so
+/// that a disturbance of the machine hits them alike. `ray_efficiency` is replay time / render time.
+nlohmann::json measurePasses(const Scene& scene, const SpeedOptions& options);
+
+/// Nanoseconds of a thread per path vertex, next-event estimation, merge, connection and splat: from passes
+/// of eye and of light subpaths with and without each of them.
+nlohmann::json measureTechniques(const Scene& scene, const SpeedOptions& options);
+
+/// Largest resident memory of the process so far.
+uint64_t peakMemoryBytes();
+
+/// Both as a table for people.
+std::string speedTable(const nlohmann::json& passes, const nlohmann::json& techniques);
+
+}  // namespace metrolux::study

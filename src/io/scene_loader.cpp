@@ -18,6 +18,13 @@ class Loader {
                          options.cropY, options.cropWidth, options.cropHeight};
     }
 
+    /// Files that were read besides the scene's own; after run().
+    std::set<std::filesystem::path> files() const {
+        std::set<std::filesystem::path> result = context_.files;
+        result.insert(scene_.files.begin(), scene_.files.end());
+        return result;
+    }
+
     SceneParts run(const std::string& source) {
         integrator();
         sensor();
@@ -124,8 +131,16 @@ class Loader {
 
 }  // namespace
 
-SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options) {
-    return Loader(parseScene(file, options.defines, options.lenient), options).run(file.string());
+SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,
+                     std::vector<std::filesystem::path>* files) {
+    Loader loader(parseScene(file, options.defines, options.lenient), options);
+    SceneParts parts = loader.run(file.string());
+    if (files) {
+        files->assign(1, file);
+        for (const std::filesystem::path& read : loader.files())
+            if (read != file) files->push_back(read);
+    }
+    return parts;
 }
 
 }  // namespace metrolux

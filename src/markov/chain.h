@@ -75,6 +75,14 @@ class MarkovChain {
         evaluate(stream, state_.value);
     }
 
+    /// Kernel and primary sample. The value and its weight are the owner's: it pays out weights before it
+    /// saves, and saves the value too or evaluates it again.
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(kernel_);
+        serializeSample(archive, state_.u);
+    }
+
   private:
     double acceptance(const MarkovState<Value>& proposal) const {
         const double now = target_(state_.value), then = target_(proposal.value);

@@ -112,6 +112,13 @@ class ReplicaLanes {
         normalisation_.endIteration(squaredRadius);
     }
 
+    /// Between two iterations, when all weights have been paid. Values are evaluated again by run().
+    template <class Archive>
+    void serialize(Archive& archive) {
+        serializeElements(archive, lanes_, "lanes");
+        archive(normalisation_);
+    }
+
     ReplicaCounts counts() const {
         ReplicaCounts c;
         for (const Lane& lane : lanes_) {
@@ -158,6 +165,12 @@ class ReplicaLanes {
         State uniform, proposal;    ///< kept for their memory
         uint64_t swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
         Normalisation::Samples samples;
+
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(rng, visibility, contribution, swapsTried, swapsMade, uniformSwaps, replaced);
+            serializeSample(archive, lastVisible);
+        }
     };
 
     void addAcceptance(const MutationKernel& kernel, ReplicaCounts::Acceptance& a) const {

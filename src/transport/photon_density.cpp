@@ -2,6 +2,7 @@
 
 #include "base/rng.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace metrolux {
@@ -23,6 +24,23 @@ void PhotonDensity::endIteration(double lightSubpaths) {
     for (size_t i = 0; i < kBuckets; ++i) sums_[i] += counts_[i].exchange(0, std::memory_order_relaxed);
     lightSubpaths_ += lightSubpaths;
     scale_ = lightSubpaths_ > 0 ? 1 / (lightSubpaths_ * area_) : 0;
+}
+
+void PhotonDensity::used(std::vector<uint32_t>& buckets, std::vector<double>& sums) const {
+    for (size_t i = 0; i < kBuckets; ++i) {
+        if (sums_[i] == 0) continue;
+        buckets.push_back(static_cast<uint32_t>(i));
+        sums.push_back(sums_[i]);
+    }
+}
+
+void PhotonDensity::setUsed(const std::vector<uint32_t>& buckets, const std::vector<double>& sums) {
+    checkState(buckets.size() == sums.size(), "a sum for each bucket");
+    std::fill(sums_.begin(), sums_.end(), 0);
+    for (size_t i = 0; i < buckets.size(); ++i) {
+        checkState(buckets[i] < kBuckets, "a bucket of the table");
+        sums_[buckets[i]] = sums[i];
+    }
 }
 
 }  // namespace metrolux

@@ -27,7 +27,7 @@ MeshOptions meshOptions(const Element& element, bool flipTexCoords) {
     return options;
 }
 
-std::filesystem::path meshFile(const Element& element, const LoadContext& context) {
+std::filesystem::path meshFile(const Element& element, LoadContext& context) {
     return context.resolve(element, element.requiredString("filename"));
 }
 

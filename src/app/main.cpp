@@ -18,6 +18,8 @@ constexpr const char* kDescription =
 
 constexpr const char* kExamples = R"(Examples:
   metrolux render scene.xml -o image.exr -o image.png --time 5m
+  metrolux resume image.checkpoint
+  metrolux merge part0 part1 part2 -o image.exr
   metrolux compare image.exr reference.exr --heatmap errors.png
   metrolux study scene.xml --integrators path,vcm,mcmc_vcm --time 60s --ref reference.exr
   metrolux bench scene.xml -i mcmc_vcm --json speed.json
@@ -26,7 +28,7 @@ constexpr const char* kExamples = R"(Examples:
 `metrolux COMMAND --help` explains the options of a command.
 
 Exit status: 0 done; 1 internal error; 2 options, scene or output cannot be used; 3 interrupted, the image so far
-was written; 4 rendered, but an output file could not be written.)";
+was written; 4 rendered, but an output file or the last checkpoint could not be written.)";
 
 struct Command {
     CLI::App* app;
@@ -61,8 +63,8 @@ int runCommandLine(int argc, char** argv) {
                           "Show the version and exit");
     root.require_subcommand(0, 1);
     std::vector<Command> commands;
-    for (auto* add : {&addRenderCommand, &addCompareCommand, &addStudyCommand, &addBenchCommand,
-                      &addInfoCommand, &addIntegratorsCommand}) {
+    for (auto* add : {&addRenderCommand, &addResumeCommand, &addMergeCommand, &addCompareCommand,
+                      &addStudyCommand, &addBenchCommand, &addInfoCommand, &addIntegratorsCommand}) {
         Run run = add(root);
         commands.push_back(
             {root.get_subcommands([](const CLI::App*) { return true; }).back(), std::move(run)});

@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <fstream>
 
 namespace metrolux::app {
 namespace {
@@ -90,6 +91,24 @@ Rectangle parseCrop(const std::string& text) {
     if (r.x < 0 || r.y < 0 || r.width < 1 || r.height < 1)
         throw Error("crop {}: x and y must not be negative, width and height not less than 1", text);
     return r;
+}
+
+Range parseRange(const std::string& text) {
+    std::string_view rest = text;
+    Range range;
+    const bool first = takeNumber(rest, range.first);
+    range.last = range.first;
+    const bool last = rest.empty() || (takeSeparator(rest, '-') && takeNumber(rest, range.last));
+    if (!first || !last || !rest.empty() || range.last < range.first)
+        throw Error("'{}' is not a range of numbers, expected for example 3 or 0-7", text);
+    return range;
+}
+
+std::vector<std::string> commandWords() {
+    std::ifstream file("/proc/self/cmdline", std::ios::binary);
+    std::vector<std::string> words;
+    for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
+    return words;
 }
 
 std::map<std::string, std::string> parseDefines(const std::vector<std::string>& texts) {

@@ -2,6 +2,7 @@
 /// Reads the values of command-line options. All functions throw Error that says what was expected.
 
 #include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
@@ -24,6 +25,15 @@ struct Rectangle {
 };
 /// "x,y,width,height".
 Rectangle parseCrop(const std::string& text);
+
+/// The words of the command that this process runs, the program's name first.
+std::vector<std::string> commandWords();
+
+struct Range {
+    uint32_t first = 0, last = 0;
+};
+/// "3" or "0-7".
+Range parseRange(const std::string& text);
 
 /// "name=value" each.
 std::map<std::string, std::string> parseDefines(const std::vector<std::string>& texts);

@@ -25,9 +25,14 @@ constexpr const char* kExamples = R"(Examples:
   metrolux render scene.xml -i path --passes 64 --seed 7
   metrolux render scene.xml --resolution 320x180 --crop 100,50,64,64 -D material=glass
   metrolux render scene.xml -o a.exr --aov albedo,normal,depth,variance --stats a.json
+  metrolux render scene.xml -o a.exr --passes 6400 --streams 64 --only-streams 0-7 --checkpoint part0
+  mpirun -n 16 metrolux render scene.xml -o a.exr --passes 6400 --streams 64
+  metrolux render scene.xml -o a.exr --time 8h --checkpoint a.checkpoint   # `metrolux resume` goes on from it
 
 Ctrl-C ends the pass in progress, writes the image and exits with status 3; a second Ctrl-C exits at once.
 The same scene, options and number of passes give the same image on any number of threads.)";
+
+}  // namespace
 
 void addOutputOptions(CLI::App& app, RenderArguments& a) {
     const char* const group = "Output";
@@ -53,11 +58,6 @@ void addOutputOptions(CLI::App& app, RenderArguments& a) {
         ->allow_extra_args(false)
         ->group(group);
     app.add_option("--stats", a.stats, "JSON file for statistics")->option_text("FILE")->group(group);
-    app.add_option("--save-every", a.session.saveEvery,
-                   "Seconds between saves of the image so far (default: 60; 0: only at the end)")
-        ->option_text("SECONDS")
-        ->check(realNumber(true))
-        ->group(group);
     app.add_flag("--quiet", a.quiet, "Show errors and warnings only")->group(group);
 }
 
@@ -77,7 +77,50 @@ void addLimitOptions(CLI::App& app, RenderArguments& a) {
         ->group(group);
 }
 
-}  // namespace
+void addCheckpointOptions(CLI::App& app, RenderArguments& a) {
+    const char* const group = "Checkpoints";
+    app.add_option(
+           "--checkpoint", a.session.checkpoint.file,
+           "File for the whole state of the rendering: `metrolux resume FILE` goes on from it,\nbit for "
+           "bit. The last two are kept, FILE and FILE.1")
+        ->option_text("FILE")
+        ->group(group);
+    app.add_option("--checkpoint-every", a.checkpointEvery,
+                   "Time between checkpoints: 90s, 5m (default), 1h; the last is written at the end")
+        ->option_text("TIME")
+        ->group(group);
+}
+
+void addStreamOptions(CLI::App& app, RenderArguments& a) {
+    const char* const group = "Many machines (docs/scale.md)";
+    app.add_option(
+           "--streams", a.streams,
+           "Divide the rendering into S independent streams of passes. Under mpirun the ranks share\nthem; "
+           "for given S, seed and passes the image is the same on any number of ranks")
+        ->option_text("S")
+        ->check(wholeNumber<uint32_t>(1, 1 << 20))
+        ->group(group);
+    app.add_option("--only-streams", a.onlyStreams,
+                   "Render these of the streams: the checkpoint is a part for `metrolux merge`")
+        ->option_text("A-B")
+        ->group(group);
+}
+
+void addRenderOptions(CLI::App& app, RenderArguments& a) {
+    app.add_option("scene", a.scene, "Mitsuba scene: XML of version 3.x, 2.x, 0.6 or 0.5")->required();
+    addSceneOptions(app, a);
+    addOutputOptions(app, a);
+    app.add_option("--save-every", a.session.saveEvery,
+                   "Seconds between saves of the image so far (default: 60; 0: only at the end)")
+        ->option_text("SECONDS")
+        ->check(realNumber(true))
+        ->group("Output");
+    addLimitOptions(app, a);
+    addCheckpointOptions(app, a);
+    addStreamOptions(app, a);
+    addAlgorithmOptions(app, a);
+    addMachineOptions(app, a);
+}
 
 void addSceneOptions(CLI::App& app, RenderArguments& a) {
     const char* const group = "Scene";
@@ -247,7 +290,52 @@ void prepareAlgorithm(RenderArguments& a) {
     checkIntegratorName(a.session.integrator);
 }
 
+namespace {}  // namespace
+
+void prepareOutputs(RenderArguments& a) {
+    SessionOptions& session = a.session;
+    session.display.curve = toneCurveFromName(a.curve).value();
+    for (const std::string& name : a.aovs) session.aovs.push_back(aovFromName(name));
+    if (session.rank > 0) return;  // rank 0 writes
+    session.outputs.assign(a.outputs.begin(), a.outputs.end());
+    const OutputSet checked(session.outputs, session.display);
+    if (!a.stats.empty()) checkWritable(a.stats);
+}
+
 namespace {
+
+void prepareCheckpoints(RenderArguments& a) {
+    CheckpointOptions& checkpoint = a.session.checkpoint;
+    if (!a.checkpointEvery.empty()) {
+        if (checkpoint.file.empty())
+            throw Error("--checkpoint-every {}: there is no file, name it with --checkpoint FILE",
+                        a.checkpointEvery);
+        checkpoint.every = parseDuration(a.checkpointEvery);
+    }
+    if (checkpoint.command.empty()) checkpoint.command = commandWords();
+    checkpoint.folder = fs::current_path().string();
+}
+
+void prepareStreams(RenderArguments& a) {
+    StreamChoice& choice = a.session.streams;
+    choice.count = std::max(a.streams, uint32_t{1});
+    choice.last = choice.count - 1;
+    if (a.onlyStreams.empty()) return;
+    const Range range = parseRange(a.onlyStreams);
+    if (a.streams == 0)
+        throw Error("--only-streams {}: of how many is missing, say it with --streams S", a.onlyStreams);
+    if (range.last >= choice.count)
+        throw Error("--only-streams {}: found stream {}, expected 0 to {}", a.onlyStreams, range.last,
+                    choice.count - 1);
+    if (a.session.checkpoint.file.empty())
+        throw Error(
+            "--only-streams {}: the part for `metrolux merge` needs a file, name it with --checkpoint FILE",
+            a.onlyStreams);
+    if (a.session.limits.relativeError > 0)
+        throw Error("--error: a part knows the error of its own passes only; give --time or --passes");
+    choice.first = range.first;
+    choice.last = range.last;
+}
 
 /// Checks all values and outputs before anything expensive begins.
 void prepare(RenderArguments& a) {
@@ -256,12 +344,11 @@ void prepare(RenderArguments& a) {
     if (!a.time.empty()) session.limits.seconds = parseDuration(a.time);
     if (!session.limits.any()) session.limits.seconds = 60;
     prepareAlgorithm(a);
-    session.display.curve = toneCurveFromName(a.curve).value();
-    for (const std::string& name : a.aovs) session.aovs.push_back(aovFromName(name));
-    if (a.outputs.empty()) a.outputs.push_back(fs::path(a.scene).stem().string() + ".exr");
-    session.outputs.assign(a.outputs.begin(), a.outputs.end());
-    const OutputSet checked(session.outputs, session.display);
-    if (!a.stats.empty()) checkWritable(a.stats);
+    prepareStreams(a);
+    if (a.outputs.empty() && a.onlyStreams.empty())
+        a.outputs.push_back(fs::path(a.scene).stem().string() + ".exr");
+    prepareOutputs(a);
+    prepareCheckpoints(a);
 }
 
 LoadOptions loadOptions(const RenderArguments& a) {
@@ -287,8 +374,8 @@ LoadOptions loadOptions(const RenderArguments& a) {
 
 }  // namespace
 
-SceneParts loadSceneParts(const fs::path& file, const RenderArguments& a) {
-    SceneParts parts = loadScene(file, loadOptions(a));
+SceneParts loadSceneParts(const fs::path& file, const RenderArguments& a, std::vector<fs::path>* files) {
+    SceneParts parts = loadScene(file, loadOptions(a), files);
     if (!a.filter.empty()) {
         parts.filterKind = filterKind(a.filter);
         parts.filter = {};
@@ -296,7 +383,7 @@ SceneParts loadSceneParts(const fs::path& file, const RenderArguments& a) {
     return parts;
 }
 
-namespace {
+namespace {}  // namespace
 
 void reportNonFinite(const nlohmann::json& counts) {
     for (const auto& [technique, count] : counts.items())
@@ -305,7 +392,6 @@ void reportNonFinite(const nlohmann::json& counts) {
                          count.get<uint64_t>(), technique);
 }
 
-/// Reports what became of the files; the exit status.
 int conclude(const SessionResult& result, const RenderArguments& a) {
     bool lost = !result.written.failures.empty();
     for (const std::string& failure : result.written.failures) spdlog::error("{}", failure);
@@ -319,6 +405,10 @@ int conclude(const SessionResult& result, const RenderArguments& a) {
             lost = true;
         }
     }
+    if (!result.checkpointFailure.empty()) {
+        spdlog::error("the last checkpoint was not written: {}", result.checkpointFailure);
+        lost = true;
+    }
     if (lost) return kOutputLost;
     if (result.passes == 0) {
         spdlog::warn("interrupted before the first pass: nothing was written");
@@ -328,27 +418,74 @@ int conclude(const SessionResult& result, const RenderArguments& a) {
     return result.reason == StopReason::Interrupted ? kInterrupted : kDone;
 }
 
-int render(RenderArguments& a) {
-    if (a.quiet) spdlog::set_level(spdlog::level::warn);
+namespace {
+
+/// The scene's part of a rendering's identity.
+nlohmann::json sceneIdentity(const RenderArguments& a, const std::vector<fs::path>& files) {
+    return {{"files", fingerprints(files)},
+            {"name", fs::path(a.scene).filename().string()},
+            {"define", a.defines},
+            {"filter", a.filter},
+            {"lenient", a.lenient}};
+}
+
+int renderOn(Team* team, RenderArguments& a, std::optional<Checkpoint> before) {
+    if (a.quiet) spdlog::set_level(a.session.rank > 0 ? spdlog::level::err : spdlog::level::warn);
     prepare(a);
     catchInterrupts();
     ThreadLimit limit(a.threads);
     return limit.execute([&] {
-        SceneParts parts = loadSceneParts(a.scene, a);
+        std::vector<fs::path> files;
+        SceneParts parts = loadSceneParts(a.scene, a, &files);
         for (const std::string& warning : parts.warnings) spdlog::warn("{}", warning);
         const Scene scene(std::move(parts));
         PathLimits& limits = a.session.integratorOptions.limits;
         limits = scene.parts().limits;
         if (a.maxDepth) limits.maxDepth = *a.maxDepth;
+        if (!a.session.checkpoint.file.empty() || team) a.session.checkpoint.scene = sceneIdentity(a, files);
         RenderSession session(scene, a.session);
+        if (before) session.restore(*std::move(before));
         const FilmWindow& window = scene.camera().window();
         spdlog::info("{}: {}x{} pixels, integrator {}, {} threads", a.scene, window.width, window.height,
                      a.session.integrator, limit.threads());
         ProgressReporter progress(ProgressReporter::modeFor(stderr, a.quiet));
-        const SessionResult result = session.run(progress, interruptRequested);
+        const SessionResult result = team ? session.runTogether(*team, progress, interruptRequested)
+                                          : session.run(progress, interruptRequested);
+        if (a.session.rank > 0) return int{kDone};  // rank 0 reports
         reportNonFinite(result.statistics["non_finite"]);
         return conclude(result, a);
     });
+}
+
+}  // namespace
+
+int render(RenderArguments& a, std::optional<Checkpoint> before) {
+    const std::unique_ptr<Team> team = makeTeam();
+    if (!team) return renderOn(nullptr, a, std::move(before));
+    // An error of one process ends all: the others would wait for it.
+    try {
+        if (a.streams == 0 || !a.onlyStreams.empty())
+            throw Error(
+                "{} processes share the streams of a rendering: give --streams S, without --only-streams",
+                team->size());
+        a.session.rank = team->rank();
+        if (team->rank() > 0) a.quiet = true;
+        return renderOn(team.get(), a, std::move(before));
+    } catch (const std::exception& problem) {
+        fmt::print(stderr, "metrolux: rank {}: {}\n", team->rank(), problem.what());
+        const int status = dynamic_cast<const Error*>(&problem) ? kUserError : kInternalError;
+        team->abort(status);
+        return status;
+    }
+}
+
+namespace {
+
+/// Somebody may have meant to go on.
+void warnOfReplaced(const fs::path& checkpoint) {
+    if (!checkpoint.empty() && fs::exists(checkpoint))
+        spdlog::warn("{} exists and will be replaced ({} keeps it); `metrolux resume {}` would go on from it",
+                     checkpoint.string(), previousCheckpoint(checkpoint).string(), checkpoint.string());
 }
 
 }  // namespace
@@ -357,14 +494,11 @@ Run addRenderCommand(CLI::App& parent) {
     CLI::App* app = parent.add_subcommand("render", "Render a scene to image files");
     app->footer(kExamples);
     auto arguments = std::make_shared<RenderArguments>();
-    app->add_option("scene", arguments->scene, "Mitsuba scene: XML of version 3.x, 2.x, 0.6 or 0.5")
-        ->required();
-    addSceneOptions(*app, *arguments);
-    addOutputOptions(*app, *arguments);
-    addLimitOptions(*app, *arguments);
-    addAlgorithmOptions(*app, *arguments);
-    addMachineOptions(*app, *arguments);
-    return [arguments] { return render(*arguments); };
+    addRenderOptions(*app, *arguments);
+    return [arguments] {
+        warnOfReplaced(arguments->session.checkpoint.file);
+        return render(*arguments, std::nullopt);
+    };
 }
 
 }  // namespace metrolux::app

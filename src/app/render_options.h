@@ -13,6 +13,8 @@ namespace metrolux::app {
 struct RenderArguments {
     std::string scene, time, memory, sceneMemory, resolution, crop, stats, filter, kernel, split;
     std::string curve = "srgb", method = "B", target = "luminance", normalisation = "pooled", theta = "lane";
+    std::string checkpointEvery, onlyStreams;
+    uint32_t streams = 0;  ///< 0: not divided
     std::vector<std::string> outputs, defines, aovs;
     SessionOptions session;
     int threads = 0;
@@ -22,6 +24,16 @@ struct RenderArguments {
 
 /// --define, --resolution, --crop, --filter, --scene-memory, --lenient.
 void addSceneOptions(CLI::App& app, RenderArguments& a);
+/// -o, --stats and how images are written.
+void addOutputOptions(CLI::App& app, RenderArguments& a);
+/// --time, --passes, --error.
+void addLimitOptions(CLI::App& app, RenderArguments& a);
+/// --checkpoint, --checkpoint-every.
+void addCheckpointOptions(CLI::App& app, RenderArguments& a);
+/// --streams, --only-streams.
+void addStreamOptions(CLI::App& app, RenderArguments& a);
+/// Everything that `render` takes.
+void addRenderOptions(CLI::App& app, RenderArguments& a);
 /// --integrator and everything that changes what it computes.
 void addAlgorithmOptions(CLI::App& app, RenderArguments& a);
 /// --threads, --memory.
@@ -30,7 +42,16 @@ void addMachineOptions(CLI::App& app, RenderArguments& a);
 /// Checks the values of the algorithm's options and completes session.integratorOptions, but for the path
 /// limits, which need the scene. Throws Error.
 void prepareAlgorithm(RenderArguments& a);
+/// Checks what is named for output, before anything expensive begins. Throws Error.
+void prepareOutputs(RenderArguments& a);
 /// Reads a scene with the options for it. Throws Error.
-SceneParts loadSceneParts(const std::filesystem::path& file, const RenderArguments& a);
+SceneParts loadSceneParts(const std::filesystem::path& file, const RenderArguments& a,
+                          std::vector<std::filesystem::path>* files = nullptr);
+/// Warns of contributions that were not finite.
+void reportNonFinite(const nlohmann::json& counts);
+/// Reports what became of the files; the exit status.
+int conclude(const SessionResult& result, const RenderArguments& a);
+/// Renders; the exit status. `before`: a checkpoint to go on from. Throws Error.
+int render(RenderArguments& a, std::optional<Checkpoint> before);
 
 }  // namespace metrolux::app

@@ -12,7 +12,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <fstream>
 #include <set>
 
 namespace metrolux::app {
@@ -195,13 +194,6 @@ nlohmann::json sceneOptions(const RenderArguments& a) {
     if (!a.defines.empty()) options["define"] = a.defines;
     if (a.maxDepth) options["max-depth"] = *a.maxDepth;
     return options;
-}
-
-std::vector<std::string> commandWords() {
-    std::ifstream file("/proc/self/cmdline", std::ios::binary);
-    std::vector<std::string> words;
-    for (std::string word; std::getline(file, word, '\0');) words.push_back(word);
-    return words;
 }
 
 /// Runs the scenes one after the other and knows what went wrong with their files.

@@ -48,6 +48,11 @@ class CounterRng {
     constexpr uint64_t key() const { return key_; }
     constexpr void seek(uint64_t counter) { counter_ = counter; }
 
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(key_, counter_);
+    }
+
   private:
     uint64_t key_, counter_;
 };

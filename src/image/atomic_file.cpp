@@ -30,6 +30,21 @@ fs::path folderOf(const fs::path& file) {
     return folder.empty() ? fs::path(".") : folder;
 }
 
+/// Gives a file a second name, in place of what had it.
+void keepAs(const fs::path& file, const fs::path& name) {
+    const fs::path link = name.string() + fmt::format(".{}.tmp", ::getpid());
+    std::error_code code;
+    fs::remove(link, code);
+    fs::create_hard_link(file, link, code);
+    // Some network and removable file systems have no links.
+    if (code) fs::copy_file(file, link, code);
+    if (!code) fs::rename(link, name, code);
+    if (!code) return;
+    std::error_code ignored;
+    fs::remove(link, ignored);
+    throw Error("cannot write '{}': {}", name.string(), code.message());
+}
+
 }  // namespace
 
 AtomicFile::AtomicFile(const fs::path& target) : target_(target) {
@@ -64,10 +79,11 @@ AtomicFile::~AtomicFile() {
     if (!committed_ && !temporary_.empty()) fs::remove(temporary_, ignored);
 }
 
-void AtomicFile::commit() {
+void AtomicFile::commit(const fs::path& previous) {
     if (!flush(temporary_, O_RDONLY))
         throw Error("cannot write '{}': {}", target_.string(), std::strerror(errno));
     std::error_code code;
+    if (!previous.empty() && fs::exists(target_, code)) keepAs(target_, previous);
     fs::rename(temporary_, target_, code);
     if (code) throw Error("cannot write '{}': {}", target_.string(), code.message());
     committed_ = true;

@@ -16,8 +16,9 @@ class AtomicFile {
 
     /// Exists and is empty; to be written and closed before commit().
     const std::filesystem::path& temporary() const { return temporary_; }
-    /// Throws Error when the data does not reach the disk.
-    void commit();
+    /// Throws Error when the data does not reach the disk. `previous`: name that the replaced file keeps;
+    /// there is no moment without a complete file under the target's name.
+    void commit(const std::filesystem::path& previous = {});
 
   private:
     std::filesystem::path target_, temporary_;

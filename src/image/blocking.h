@@ -1,4 +1,6 @@
 #pragma once
+#include "base/state.h"
+
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +21,18 @@ class BlockedErrorEstimate {
         if (next_ < series_.size() && series_[next_].pixel == pixel) series_[next_++].add(luminance, passes_);
     }
     void endPass();
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(passes_);
+        checkState(passes_ < (uint32_t{1} << kLevels), "fewer passes");
+        for (Series& s : series_) {
+            archive(s.sum);
+            // Higher levels have seen nothing.
+            for (int l = 0; (passes_ >> l) > 0; ++l)
+                archive(s.levels[l].pending, s.levels[l].mean, s.levels[l].squares);
+        }
+    }
 
     /// Root of the mean over the watched pixels of  Var[mean] / (mean^2 + kDarkness * m^2), m the mean of all
     /// of them. Infinity with fewer than kLeastBlocks passes, and for a black image.

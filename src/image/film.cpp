@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/memory_budget.h"
+#include "base/state_archive.h"
 #include "image/blocking.h"
 #include "image/fixed_point.h"
 
@@ -12,6 +13,10 @@ namespace metrolux {
 
 namespace {
 constexpr int64_t kMostPixels = int64_t{1} << 28;
+
+double luminanceOf(const std::array<double, 3>& rgb) {
+    return 0.212671 * rgb[0] + 0.715160 * rgb[1] + 0.072169 * rgb[2];
+}
 }  // namespace
 
 const char* techniqueName(Technique technique) {
@@ -33,18 +38,16 @@ const char* techniqueName(Technique technique) {
 }
 
 struct Film::Implementation {
-    struct Pixel {
-        std::array<double, 3> eye{};  ///< of the pass
-        std::array<double, 3> sum{};  ///< of all passes
-        double sumOfSquares = 0;      ///< of the luminance of a pass
-    };
-    std::vector<Pixel> pixels;
-    FixedPointImage splats;  ///< of the pass
+    std::vector<std::array<double, 3>> eye;  ///< of the pass
+    FixedPointImage splats;                  ///< of the pass
+    std::vector<PixelSum> sums;              ///< of all passes
     BlockedErrorEstimate error;
+    bool errorKnown = true;  ///< all passes went through `error`
 
     explicit Implementation(int count)
-        : pixels(static_cast<size_t>(count)),
+        : eye(static_cast<size_t>(count)),
           splats(static_cast<size_t>(count)),
+          sums(static_cast<size_t>(count)),
           error(static_cast<uint32_t>(count)) {}
 };
 
@@ -57,7 +60,7 @@ Film::Film(const FilmWindow& window, const ReconstructionFilter& filter) : windo
         throw Error("film: {}x{} pixels are more than the largest image of {}", window.width, window.height,
                     kMostPixels);
     const uint64_t bytes = static_cast<uint64_t>(window.pixelCount()) *
-                           (sizeof(Implementation::Pixel) + FixedPointImage::kPixelBytes);
+                           (sizeof(Implementation::eye[0]) + sizeof(PixelSum) + FixedPointImage::kPixelBytes);
     // Memory that is promised and not there would have the system end the process in the middle of a pass.
     if (const uint64_t machine = physicalMemoryBytes(); machine > 0)
         MemoryBudget(machine).require(bytes, fmt::format("film: {}x{} pixels", window.width, window.height));
@@ -88,7 +91,7 @@ RasterRectangle Film::reach() const {
 
 void Film::addEye(uint32_t pixel, const Rgb& value) {
     if (rejectNonFinite(value, Technique::Hit)) return;
-    std::array<double, 3>& eye = implementation_->pixels[pixel].eye;
+    std::array<double, 3>& eye = implementation_->eye[pixel];
     eye[0] += value.x;
     eye[1] += value.y;
     eye[2] += value.z;
@@ -148,29 +151,31 @@ void Film::addSplats(const SplatList& splats, double pixelScale, double filmScal
 
 void Film::endPass() {
     Implementation& film = *implementation_;
-    for (size_t i = 0; i < film.pixels.size(); ++i) {
-        Implementation::Pixel& pixel = film.pixels[i];
-        const std::array<double, 3> splats = film.splats.take(i);
-        std::array<double, 3> value;
-        for (int c = 0; c < 3; ++c) {
-            value[c] = pixel.eye[c] + splats[c];
-            pixel.sum[c] += value[c];
-            pixel.eye[c] = 0;
+    for (size_t i = 0; i < film.sums.size(); ++i) {
+        std::array<double, 3> value = film.splats.take(i);
+        for (size_t c = 0; c < 3; ++c) value[c] += std::exchange(film.eye[i][c], 0);
+        const auto tooLarge = [](double x) { return !(std::abs(x) <= PixelSum::kLargest); };
+        if (std::any_of(value.begin(), value.end(), tooLarge)) {
+            countNonFinite(Technique::Hit);
+            value = {};
         }
-        const double y = 0.212671 * value[0] + 0.715160 * value[1] + 0.072169 * value[2];
-        pixel.sumOfSquares += y * y;
+        PixelSum& sum = film.sums[i];
+        for (int c = 0; c < 3; ++c) sum.color[c].add(value[static_cast<size_t>(c)]);
+        const double y = luminanceOf(value);
+        sum.addSquare(y * y);
         film.error.add(static_cast<uint32_t>(i), y);
     }
     film.error.endPass();
     ++passes_;
+    ++passIndex_;
 }
 
 std::vector<float> Film::image() const {
     std::vector<float> result(static_cast<size_t>(pixelCount()) * 3, 0.0f);
     if (passes_ == 0) return result;
-    for (size_t i = 0; i < implementation_->pixels.size(); ++i)
-        for (int c = 0; c < 3; ++c)
-            result[3 * i + c] = static_cast<float>(implementation_->pixels[i].sum[c] / passes_);
+    for (size_t i = 0; i < implementation_->sums.size(); ++i)
+        for (size_t c = 0; c < 3; ++c)
+            result[3 * i + c] = static_cast<float>(implementation_->sums[i].color[c].value() / passes_);
     return result;
 }
 
@@ -178,14 +183,50 @@ std::vector<float> Film::variance() const {
     std::vector<float> result(static_cast<size_t>(pixelCount()), 0.0f);
     if (passes_ < 2) return result;
     const double n = passes_;
-    for (size_t i = 0; i < implementation_->pixels.size(); ++i) {
-        const Implementation::Pixel& pixel = implementation_->pixels[i];
-        const double mean = (0.212671 * pixel.sum[0] + 0.715160 * pixel.sum[1] + 0.072169 * pixel.sum[2]) / n;
-        result[i] = static_cast<float>(std::max(0.0, pixel.sumOfSquares / n - mean * mean) / (n - 1));
+    for (size_t i = 0; i < implementation_->sums.size(); ++i) {
+        const PixelSum& sum = implementation_->sums[i];
+        const double mean =
+            luminanceOf({sum.color[0].value(), sum.color[1].value(), sum.color[2].value()}) / n;
+        result[i] = static_cast<float>(std::max(0.0, sum.squares() / n - mean * mean) / (n - 1));
     }
     return result;
 }
 
-double Film::relativeError() const { return implementation_->error.relativeError(); }
+double Film::relativeError() const {
+    return implementation_->errorKnown ? implementation_->error.relativeError() : kInfinity;
+}
+
+template <class Archive>
+void Film::serialize(Archive& archive) {
+    Implementation& film = *implementation_;
+    std::array<uint64_t, static_cast<size_t>(Technique::Count)> nonFinite;
+    for (size_t i = 0; i < nonFinite.size(); ++i) nonFinite[i] = nonFinite_[i].load();
+    archive(passes_, passIndex_, film.errorKnown);
+    serializeElements(archive, nonFinite, "techniques");
+    serializeElements(archive, film.sums, "pixels");
+    archive(film.error);
+    for (size_t i = 0; i < nonFinite.size(); ++i) nonFinite_[i].store(nonFinite[i]);
+}
+void Film::saveState(StateWriter& writer) const {
+    const_cast<Film*>(this)->serialize(writer);  // a writer changes nothing
+}
+void Film::loadState(StateReader& reader) { serialize(reader); }
+
+void Film::add(const Film& other) {
+    addSums(other.sums(), other.passes());
+    for (size_t i = 0; i < static_cast<size_t>(Technique::Count); ++i)
+        nonFinite_[i].fetch_add(other.nonFinite_[i].load());
+}
+
+std::span<const PixelSum> Film::sums() const { return implementation_->sums; }
+
+void Film::addSums(std::span<const PixelSum> sums, uint32_t passes) {
+    if (sums.size() != implementation_->sums.size())
+        throw Error("film: found the sums of {} pixels, expected {}", sums.size(),
+                    implementation_->sums.size());
+    for (size_t i = 0; i < sums.size(); ++i) implementation_->sums[i] += sums[i];
+    passes_ += passes;
+    implementation_->errorKnown = false;
+}
 
 }  // namespace metrolux

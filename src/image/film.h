@@ -1,5 +1,7 @@
 #pragma once
 #include "base/math.h"
+#include "base/state.h"
+#include "image/exact_sum.h"
 #include "image/film_window.h"
 #include "image/filter.h"
 #include "image/splat.h"
@@ -7,6 +9,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -61,6 +64,11 @@ class Film {
     void endPass();
     uint32_t passes() const { return passes_; }
 
+    /// Number of the pass in progress: names its random numbers. It counts the passes of this film, unless
+    /// the film takes turns between several renderings.
+    uint32_t passIndex() const { return passIndex_; }
+    void setPassIndex(uint32_t index) { passIndex_ = index; }
+
     /// Mean over passes, row by row, 3 floats a pixel.
     std::vector<float> image() const;
     /// Variance of the mean of the luminance of each pixel, from the differences between passes. For
@@ -70,6 +78,16 @@ class Film {
     /// blocked (Flyvbjerg & Petersen 1989) pass means, which holds for correlated passes too. Infinity before
     /// it is known.
     double relativeError() const;
+
+    /// Everything between two passes. loadState() throws Error unless it is that of a film of this size.
+    void saveState(StateWriter& writer) const;
+    void loadState(StateReader& reader);
+    /// Adds the passes of another film of the same window. Sums are exact: in any order and grouping they
+    /// give the same bits. relativeError() is not known for the result.
+    void add(const Film& other);
+    std::span<const PixelSum> sums() const;
+    /// As add(), of a film that has these sums.
+    void addSums(std::span<const PixelSum> sums, uint32_t passes);
 
     /// Non-finite contributions were counted instead of added (ARCHITECTURE.md).
     uint64_t nonFinite(Technique technique) const { return nonFinite_[static_cast<int>(technique)].load(); }
@@ -82,10 +100,12 @@ class Film {
     }
 
   private:
+    template <class Archive>
+    void serialize(Archive& archive);
     struct Implementation;
     FilmWindow window_;
     ReconstructionFilter filter_;
-    uint32_t passes_ = 0;
+    uint32_t passes_ = 0, passIndex_ = 0;
     std::atomic<uint64_t> nonFinite_[static_cast<int>(Technique::Count)] = {};
     std::shared_ptr<Implementation> implementation_;
 };

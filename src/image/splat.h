@@ -11,14 +11,26 @@ struct SplatList {
     struct PixelSplat {
         uint32_t pixel;  ///< index within the rendered window, row by row
         Rgb value;
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(pixel, value);
+        }
     };
     struct FilmSplat {
         Vec2f position;  ///< raster position in pixels of the full image
         Rgb value;       ///< per pixel area
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(position, value);
+        }
     };
     std::vector<PixelSplat> pixels;
     std::vector<FilmSplat> film;
 
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(pixels, film);
+    }
     void clear() {
         pixels.clear();
         film.clear();

@@ -34,6 +34,12 @@ class EyeChains {
     void run(const EyePass& pass, const VertexGrid& lightVertices, Film& film,
              const LightChains::Iteration& iteration, EyeVertices& result);
 
+    /// Between two iterations.
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(lanes_);
+    }
+
     nlohmann::json statistics() const;
 
   private:

@@ -1,4 +1,5 @@
 #pragma once
+#include "base/state.h"
 #include "image/film.h"
 #include "markov/mutation.h"
 #include "markov/normalisation.h"
@@ -50,6 +51,10 @@ class Integrator {
     virtual ~Integrator() = default;
     /// Adds one pass (one sample, light path or mutation per pixel) to the film and calls film.endPass().
     virtual void renderPass(Film& film) = 0;
+    /// Everything that renderPass() changes, between two passes: an integrator of the same scene and options
+    /// that loads it goes on bit for bit. loadState() throws Error for what it cannot use. See Resumable.
+    virtual void saveState(StateWriter& writer) const = 0;
+    virtual void loadState(StateReader& reader) = 0;
     /// What a user may want to know: acceptance rates, normalisations, radius ...
     virtual nlohmann::json statistics() const = 0;
     /// Short text for the progress line, may be empty.

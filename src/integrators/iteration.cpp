@@ -68,7 +68,7 @@ double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options
 void directPass(const Scene& scene, const PathLimits& limits, uint64_t seed, std::span<const uint32_t> pixels,
                 Film& film) {
     const Strategies strategies = Strategies::bidirectional(1, 0);
-    EyePass pass{scene, limits, strategies, seed, film.passes()};
+    EyePass pass{scene, limits, strategies, seed, film.passIndex()};
     pass.nextEvent = pass.keepVertices = pass.hit = false;
     pass.deepest = 1;
     EyeVertices none;

@@ -35,6 +35,11 @@ class RadiusSchedule {
   public:
     RadiusSchedule(double first, double alpha) : radius_(first), alpha_(alpha) {}
     double radius() const { return radius_; }
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(radius_, iteration_);
+        checkState(radius_ >= 0 && iteration_ >= 1, "a merging radius");
+    }
     void advance() {
         radius_ *= std::sqrt((iteration_ + alpha_) / (iteration_ + 1.0));
         ++iteration_;
@@ -85,6 +90,12 @@ class IteratedIntegrator : public Integrator {
 
     /// Adds what `pixels` and as many light subpaths, from index `first` of the pass, stand for.
     virtual void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) = 0;
+    /// Part of the state of each of them.
+    template <class Archive>
+    void serializeIteration(Archive& archive) {
+        archive(radius_);
+        if (photons_) archive(*photons_);
+    }
     /// What statistics() says of all of them.
     nlohmann::json iterationStatistics() const;
 

@@ -58,6 +58,12 @@ class LightChains {
     std::vector<Vec3f> trails() const;
     bool keepTrails = false;
 
+    /// Between two iterations.
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(lanes_, seeded_, ready_);
+    }
+
     nlohmann::json statistics() const;
     std::string progressNote() const;
 

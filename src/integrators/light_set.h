@@ -42,6 +42,13 @@ class VisibilityLightSet {
     /// Vertices of L, whose throughputs carry the weights. `eyeGrid`: over the iteration's eye vertices.
     std::vector<Vertex> make(const LightTracing& tracing, const VertexGrid& eyeGrid);
 
+    /// Between two iterations: states begin anew in each.
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(rng_, normalisation_);
+        serializeElements(archive, lanes_, "lanes");
+    }
+
     nlohmann::json statistics() const;
 
   private:
@@ -61,6 +68,11 @@ class VisibilityLightSet {
         std::vector<std::pair<size_t, State>> visible;  ///< uniform samples of the iteration, with their step
         std::vector<Vertex> result;
         Normalisation::Samples samples;
+
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(rng, chain);
+        }
     };
     size_t stepsOf(size_t lane) const;
     void takeUniform(Lane& lane, size_t steps, const LightTracing& tracing, const VertexGrid& eyeGrid);
@@ -102,10 +114,22 @@ class StateLightSet {
     /// `first` name the uniform samples.
     std::vector<Vertex> make(const LightTracing& tracing, size_t uniform, uint32_t pass, size_t first);
 
+    /// Between two iterations.
+    template <class Archive>
+    void serialize(Archive& archive) {
+        serializeElements(archive, visited_, "lanes");
+        archive(chainMade_, uniform_);
+    }
+
   private:
     struct Visited {
         PrimarySample u;
         uint32_t steps;
+        template <class Archive>
+        void serialize(Archive& archive) {
+            serializeSample(archive, u);
+            archive(steps);
+        }
     };
     size_t steps() const;
     std::vector<std::vector<Vertex>> traceStates(const LightTracing& tracing);

@@ -1,20 +1,26 @@
 #include "integrators/mcmc_vcm.h"
 
 #include "integrators/light_chains.h"
+#include "integrators/resumable.h"
 
 namespace metrolux {
 
 namespace {
 
-class McmcVcmIntegrator final : public IteratedIntegrator {
+class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedIntegrator> {
   public:
     McmcVcmIntegrator(const Scene& scene, const IntegratorOptions& options)
-        : IteratedIntegrator(scene, options, projectedPixelRadius(scene, options)),
+        : Resumable(scene, options, projectedPixelRadius(scene, options)),
           chains_(replicaSettings(options, "uvf", MutationKernel::Kind::Kelemen, partition_.pixels(0).size()),
                   options.limits) {
         weighByPhotons();
     }
 
+    template <class Archive>
+    void serialize(Archive& archive) {
+        serializeIteration(archive);
+        archive(chains_);
+    }
     nlohmann::json statistics() const override {
         nlohmann::json j = chains_.statistics();
         j.update(iterationStatistics());
@@ -28,14 +34,15 @@ class McmcVcmIntegrator final : public IteratedIntegrator {
         chains_.begin(pixels.size(), r);
         const Strategies strategies = Strategies::bidirectional(chains_.effectiveSamples() / n,
                                                                 n * std::numbers::pi * r * r, photons_.get());
-        EyePass{scene_, options_.limits, strategies, options_.seed, film.passes()}.run(pixels, film, eyes_);
+        EyePass{scene_, options_.limits, strategies, options_.seed, film.passIndex()}.run(pixels, film,
+                                                                                          eyes_);
         grid_.build(eyes_.all(), static_cast<float>(r));
         LightPass light{scene_, options_.limits, strategies, eyes_, grid_, film};
         if (options_.target == ChainTarget::Relative) {
             if (first == 0) importance_.update(film);
             light.importance = &importance_;
         }
-        chains_.run(light, film, {film.passes(), first, pixels.size(), n / film.pixelCount()},
+        chains_.run(light, film, {film.passIndex(), first, pixels.size(), n / film.pixelCount()},
                     photons_.get());
     }
 

@@ -2,6 +2,7 @@
 
 #include "integrators/iteration.h"
 #include "integrators/path_chains.h"
+#include "integrators/resumable.h"
 
 #include <nlohmann/json.hpp>
 
@@ -19,7 +20,7 @@ constexpr double kContinuation = 0.75;
 /// Share of the samples that is spread evenly over lengths, whatever the first samples say of them.
 constexpr double kEvenShare = 0.1;
 
-class MmltIntegrator final : public Integrator {
+class MmltIntegrator final : public Resumable<MmltIntegrator> {
   private:
     /// The integrand of paths of `length` edges; the longest stands for all that are longer.
     auto evaluator(const PathPair& pair, int length) const {
@@ -60,6 +61,14 @@ class MmltIntegrator final : public Integrator {
         film.endPass();
     }
 
+    template <class Archive>
+    void serialize(Archive& archive) {
+        serializeElements(archive, samplers_, "path lengths");
+        for (const PathSampler& sampler : samplers_) checkPixels(sampler, scene_.camera().window());
+        archive(budgets_);
+        checkState(budgets_.empty() || budgets_.size() == samplers_.size(), "a budget for each path length");
+        for (const size_t budget : budgets_) checkState(budget <= pixels_.size(), "budgets below a pass");
+    }
     nlohmann::json statistics() const override {
         nlohmann::json j = chainStatistics(options_);
         nlohmann::json& lengths = j["lengths"] = nlohmann::json::array();

@@ -1,6 +1,7 @@
 #include "integrators/path.h"
 
 #include "integrators/iteration.h"
+#include "integrators/resumable.h"
 
 #include <nlohmann/json.hpp>
 
@@ -9,7 +10,7 @@ namespace metrolux {
 namespace {
 
 /// `path`: hit and next-event estimation. `light`: splats, and emitters that the camera sees directly.
-class PathIntegrator final : public Integrator {
+class PathIntegrator final : public Resumable<PathIntegrator> {
   public:
     PathIntegrator(const Scene& scene, const IntegratorOptions& options)
         : scene_(scene),
@@ -18,12 +19,14 @@ class PathIntegrator final : public Integrator {
 
     void renderPass(Film& film) override {
         const Strategies strategies = Strategies::path();
-        EyePass pass{scene_, options_.limits, strategies, options_.seed, film.passes()};
+        EyePass pass{scene_, options_.limits, strategies, options_.seed, film.passIndex()};
         pass.keepVertices = false;
         EyeVertices none;
         pass.run(pixels_, film, none);
         film.endPass();
     }
+    template <class Archive>
+    void serialize(Archive&) {}  // the film's count of passes is all
     nlohmann::json statistics() const override { return nlohmann::json::object(); }
 
   private:
@@ -32,7 +35,7 @@ class PathIntegrator final : public Integrator {
     std::vector<uint32_t> pixels_;
 };
 
-class LightIntegrator final : public Integrator {
+class LightIntegrator final : public Resumable<LightIntegrator> {
   public:
     LightIntegrator(const Scene& scene, const IntegratorOptions& options)
         : scene_(scene),
@@ -46,9 +49,11 @@ class LightIntegrator final : public Integrator {
         const VertexGrid grid;
         LightPass lightPass{scene_, options_.limits, strategies, none, grid, film};
         lightPass.connect = lightPass.merge = lightPass.weighted = false;
-        plainLightPass(lightPass, film, options_.seed, film.passes(), 0, pixels_.size(), 1);
+        plainLightPass(lightPass, film, options_.seed, film.passIndex(), 0, pixels_.size(), 1);
         film.endPass();
     }
+    template <class Archive>
+    void serialize(Archive&) {}  // the film's count of passes is all
     nlohmann::json statistics() const override { return nlohmann::json::object(); }
 
   private:

@@ -28,6 +28,12 @@ MetropolisOptions pathSamplerOptions(const IntegratorOptions& options, size_t st
     return result;
 }
 
+void checkPixels(const PathSampler& sampler, const FilmWindow& window) {
+    for (size_t i = 0; i < sampler.lanes(); ++i)
+        for (const SplatList::PixelSplat& splat : sampler.value(i).splats.pixels)
+            checkState(splat.pixel < static_cast<uint32_t>(window.pixelCount()), "pixels of the film");
+}
+
 nlohmann::json samplerStatistics(const PathSampler& sampler) {
     const PathSampler::Counts c = sampler.counts();
     nlohmann::json j{

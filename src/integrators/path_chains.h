@@ -11,6 +11,10 @@ namespace metrolux {
 struct PathValue {
     SplatList splats;
     double size = 0;  ///< F(u)
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(splats, size);
+    }
 };
 using PathSampler = MetropolisSampler<PathValue>;
 
@@ -30,6 +34,9 @@ inline auto payTo(Film& film, double share = 1) {
         film.addSplats(value.splats, weight * share);
     };
 }
+
+/// Of a sampler that was loaded: throws Error if it holds a splat on a pixel that the film does not have.
+void checkPixels(const PathSampler& sampler, const FilmWindow& window);
 
 nlohmann::json samplerStatistics(const PathSampler& sampler);
 /// What the options say about chains.

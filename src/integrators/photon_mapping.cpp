@@ -1,6 +1,7 @@
 #include "integrators/photon_mapping.h"
 
 #include "integrators/light_chains.h"
+#include "integrators/resumable.h"
 
 #include <optional>
 
@@ -10,16 +11,21 @@ namespace {
 
 /// Each path has one vertex, the first from the camera that scatters it by a smooth lobe, where a photon can
 /// make it, or none, and then hit makes it: the techniques share no path, so that all weights are one.
-class PhotonMappingIntegrator final : public IteratedIntegrator {
+class PhotonMappingIntegrator final : public Resumable<PhotonMappingIntegrator, IteratedIntegrator> {
   public:
     PhotonMappingIntegrator(const Scene& scene, const IntegratorOptions& options, bool chains)
-        : IteratedIntegrator(scene, options, projectedPixelRadius(scene, options)) {
+        : Resumable(scene, options, projectedPixelRadius(scene, options)) {
         if (chains)
             chains_.emplace(
                 replicaSettings(options, "uv", MutationKernel::Kind::Adaptive, partition_.pixels(0).size()),
                 options.limits);
     }
 
+    template <class Archive>
+    void serialize(Archive& archive) {
+        serializeIteration(archive);
+        if (chains_) archive(*chains_);
+    }
     nlohmann::json statistics() const override {
         nlohmann::json j = chains_ ? chains_->statistics() : nlohmann::json::object();
         j.update(iterationStatistics());
@@ -32,7 +38,7 @@ class PhotonMappingIntegrator final : public IteratedIntegrator {
         const double n = double(pixels.size()), r = radius_.radius();
         // A path has one technique: hits have weight one, merges are not weighted.
         const Strategies strategies = Strategies::hitsAlone();
-        EyePass eyePass{scene_, options_.limits, strategies, options_.seed, film.passes()};
+        EyePass eyePass{scene_, options_.limits, strategies, options_.seed, film.passIndex()};
         eyePass.nextEvent = false;
         eyePass.photonMapping = true;
         eyePass.run(pixels, film, eyes_);
@@ -43,9 +49,9 @@ class PhotonMappingIntegrator final : public IteratedIntegrator {
         const double filmShare = n / film.pixelCount();
         if (chains_) {
             chains_->begin(pixels.size(), r);
-            chains_->run(lightPass, film, {film.passes(), first, pixels.size(), filmShare}, nullptr);
+            chains_->run(lightPass, film, {film.passIndex(), first, pixels.size(), filmShare}, nullptr);
         } else {
-            plainLightPass(lightPass, film, options_.seed, film.passes(), first, pixels.size(), filmShare);
+            plainLightPass(lightPass, film, options_.seed, film.passIndex(), first, pixels.size(), filmShare);
         }
     }
 

@@ -2,6 +2,7 @@
 
 #include "integrators/iteration.h"
 #include "integrators/path_chains.h"
+#include "integrators/resumable.h"
 
 #include <nlohmann/json.hpp>
 
@@ -9,7 +10,7 @@ namespace metrolux {
 
 namespace {
 
-class PssmltIntegrator final : public Integrator {
+class PssmltIntegrator final : public Resumable<PssmltIntegrator> {
   public:
     PssmltIntegrator(const Scene& scene, const IntegratorOptions& options)
         : scene_(scene),
@@ -25,6 +26,11 @@ class PssmltIntegrator final : public Integrator {
         film.endPass();
     }
 
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(sampler_);
+        checkPixels(sampler_, scene_.camera().window());
+    }
     nlohmann::json statistics() const override {
         nlohmann::json j = chainStatistics(options_);
         j.update(samplerStatistics(sampler_));

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "integrators/light_set.h"
 #include "integrators/path_chains.h"
+#include "integrators/resumable.h"
 
 #include <nlohmann/json.hpp>
 
@@ -21,10 +22,10 @@ IntegratorOptions forTwoSets(IntegratorOptions options) {
     return options;
 }
 
-class PssmltMergeIntegrator final : public IteratedIntegrator {
+class PssmltMergeIntegrator final : public Resumable<PssmltMergeIntegrator, IteratedIntegrator> {
   public:
     PssmltMergeIntegrator(const Scene& scene, const IntegratorOptions& options)
-        : IteratedIntegrator(scene, forTwoSets(options), projectedPixelRadius(scene, options)),
+        : Resumable(scene, forTwoSets(options), projectedPixelRadius(scene, options)),
           sampler_(pathSamplerOptions(options, partition_.pixels(0).size(), 0)),
           byVisibility_(options, partition_.pixels(0).size()) {
         if (options.mergeMethod != 'A' && options.mergeMethod != 'B')
@@ -34,6 +35,13 @@ class PssmltMergeIntegrator final : public IteratedIntegrator {
         weighByPhotons();
     }
 
+    template <class Archive>
+    void serialize(Archive& archive) {
+        serializeIteration(archive);
+        archive(sampler_, byVisibility_);
+        checkPixels(sampler_, scene_.camera().window());
+        if (byStates_) archive(*byStates_);
+    }
     nlohmann::json statistics() const override {
         nlohmann::json j = chainStatistics(options_);
         j.update(samplerStatistics(sampler_));
@@ -56,7 +64,7 @@ class PssmltMergeIntegrator final : public IteratedIntegrator {
             Strategies::bidirectional(1, lightSubpaths * std::numbers::pi * r * r, photons_.get());
         tracePixels(film, pixels, strategies);
         const LightTracing tracing{scene_, options_.limits, strategies, photons_.get()};
-        map_.build(byStates_ ? byStates_->make(tracing, n, film.passes(), first)
+        map_.build(byStates_ ? byStates_->make(tracing, n, film.passIndex(), first)
                              : byVisibility_.make(tracing, grid_),
                    static_cast<float>(r));
 
@@ -71,7 +79,7 @@ class PssmltMergeIntegrator final : public IteratedIntegrator {
     /// Emitters that the camera sees directly, and for method B the eye vertices that say what is visible.
     void tracePixels(Film& film, std::span<const uint32_t> pixels, const Strategies& strategies) {
         if (byStates_) return directPass(scene_, options_.limits, options_.seed, pixels, film);
-        EyePass pass{scene_, options_.limits, strategies, options_.seed, film.passes()};
+        EyePass pass{scene_, options_.limits, strategies, options_.seed, film.passIndex()};
         pass.nextEvent = pass.hit = false;
         pass.run(pixels, film, eyes_);
         grid_.build(eyes_.all(), static_cast<float>(radius_.radius()));

@@ -1,21 +1,27 @@
 #include "integrators/split_mcmc.h"
 
 #include "integrators/eye_chains.h"
+#include "integrators/resumable.h"
 
 namespace metrolux {
 
 namespace {
 
-class SplitMcmcIntegrator final : public IteratedIntegrator {
+class SplitMcmcIntegrator final : public Resumable<SplitMcmcIntegrator, IteratedIntegrator> {
   public:
     SplitMcmcIntegrator(const Scene& scene, const IntegratorOptions& options)
-        : IteratedIntegrator(scene, options, projectedPixelRadius(scene, options)),
+        : Resumable(scene, options, projectedPixelRadius(scene, options)),
           light_(settings(), options.limits),
           eye_(settings(), scene.camera().window()) {
         light_.keepTrails = true;
         weighByPhotons();
     }
 
+    template <class Archive>
+    void serialize(Archive& archive) {
+        serializeIteration(archive);
+        archive(light_, eye_, lightVertices_);
+    }
     nlohmann::json statistics() const override {
         nlohmann::json j = light_.statistics();
         j.update(iterationStatistics());
@@ -42,13 +48,13 @@ class SplitMcmcIntegrator final : public IteratedIntegrator {
     void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size());
         const float r = static_cast<float>(radius_.radius());
-        const LightChains::Iteration iteration{film.passes(), first, pixels.size(), n / film.pixelCount()};
+        const LightChains::Iteration iteration{film.passIndex(), first, pixels.size(), n / film.pixelCount()};
         const bool chains = !lightVertices_.empty();
         light_.begin(pixels.size(), radius_.radius());
         if (chains) eye_.begin(pixels.size(), radius_.radius());
         const Strategies counts = chains ? strategies(eye_.samples(), eye_.boost()) : strategies(n, 1);
 
-        EyePass eyePass{scene_, options_.limits, counts, options_.seed, film.passes()};
+        EyePass eyePass{scene_, options_.limits, counts, options_.seed, film.passIndex()};
         if (chains) {
             eyePass.nextEvent = false;  // EyeChains does it
             oldGrid_.buildPoints(lightVertices_, r);

@@ -1,6 +1,7 @@
 #include "integrators/vcm.h"
 
 #include "integrators/iteration.h"
+#include "integrators/resumable.h"
 
 #include <nlohmann/json.hpp>
 
@@ -8,14 +9,17 @@ namespace metrolux {
 
 namespace {
 
-class VcmIntegrator final : public IteratedIntegrator {
+class VcmIntegrator final : public Resumable<VcmIntegrator, IteratedIntegrator> {
   public:
     VcmIntegrator(const Scene& scene, const IntegratorOptions& options, bool merge)
-        : IteratedIntegrator(scene, options, merge ? projectedPixelRadius(scene, options) : 0),
-          merge_(merge) {
+        : Resumable(scene, options, merge ? projectedPixelRadius(scene, options) : 0), merge_(merge) {
         if (merge) weighByPhotons();
     }
 
+    template <class Archive>
+    void serialize(Archive& archive) {
+        serializeIteration(archive);
+    }
     nlohmann::json statistics() const override { return iterationStatistics(); }
 
   private:
@@ -23,13 +27,14 @@ class VcmIntegrator final : public IteratedIntegrator {
         const double n = double(pixels.size()), r = radius_.radius();
         const Strategies strategies =
             Strategies::bidirectional(1, merge_ ? n * std::numbers::pi * r * r : 0, photons_.get());
-        EyePass{scene_, options_.limits, strategies, options_.seed, film.passes()}.run(pixels, film, eyes_);
+        EyePass{scene_, options_.limits, strategies, options_.seed, film.passIndex()}.run(pixels, film,
+                                                                                          eyes_);
         if (merge_) grid_.build(eyes_.all(), static_cast<float>(r));
 
         LightPass pass{scene_, options_.limits, strategies, eyes_, grid_, film};
         pass.merge = merge_;
-        plainLightPass(pass, film, options_.seed, film.passes(), first, pixels.size(), n / film.pixelCount(),
-                       nullptr, photons_.get());
+        plainLightPass(pass, film, options_.seed, film.passIndex(), first, pixels.size(),
+                       n / film.pixelCount(), nullptr, photons_.get());
         if (photons_) photons_->endIteration(n);
     }
 

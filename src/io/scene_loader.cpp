@@ -20,6 +20,13 @@ class Loader {
                          options.cropY, options.cropWidth, options.cropHeight};
     }
 
+    /// Files that were read besides the scene's own; after run().
+    std::set<std::filesystem::path> files() const {
+        std::set<std::filesystem::path> result = context_.files;
+        result.insert(scene_.files.begin(), scene_.files.end());
+        return result;
+    }
+
     SceneParts run(const std::string& source) {
         integrator();
         sensor();
@@ -126,13 +133,20 @@ class Loader {
 
 }  // namespace
 
-SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options) {
+SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,
+                     std::vector<std::filesystem::path>* files) {
     const uint64_t machine = physicalMemoryBytes();
     MemoryBudget memory = options.memoryBytes > 0 ? MemoryBudget(options.memoryBytes)
                           : machine > 0           ? MemoryBudget(machine)
                                                   : MemoryBudget::unlimited();
-    ParsedScene parsed = parseScene(file, options.defines, options.lenient, &memory);
-    return Loader(std::move(parsed), options, memory).run(file.string());
+    Loader loader(parseScene(file, options.defines, options.lenient, &memory), options, memory);
+    SceneParts parts = loader.run(file.string());
+    if (files) {
+        files->assign(1, file);
+        for (const std::filesystem::path& read : loader.files())
+            if (read != file) files->push_back(read);
+    }
+    return parts;
 }
 
 }  // namespace metrolux

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <vector>
 
 namespace metrolux {
 
@@ -16,7 +17,9 @@ struct LoadOptions {
     int cropX = 0, cropY = 0, cropWidth = 0, cropHeight = 0;  ///< --crop, pixels of the full image
 };
 
-/// Reads a Mitsuba XML scene. Throws Error.
-SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options);
+/// Reads a Mitsuba XML scene. Throws Error. `files`, if given, receives the names of all files that were
+/// read, the scene's first.
+SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,
+                     std::vector<std::filesystem::path>* files = nullptr);
 
 }  // namespace metrolux

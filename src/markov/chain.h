@@ -49,6 +49,7 @@ class MutatedStream final : public SampleStream {
         const float x = next1D();
         return {x, next1D()};
     }
+    void skip(int count) override { position_ += static_cast<size_t>(count); }
 
   private:
     PrimarySample &from_, &to_;
@@ -104,6 +105,14 @@ class MarkovChain {
     void reevaluate(Evaluate&& evaluate, CounterRng& rng) {
         PrimarySampleStream stream(state_.u, rng);
         evaluate(stream, state_.value);
+    }
+
+    /// Kernel and primary sample. The value and its weight are the owner's: it pays out weights before it
+    /// saves, and saves the value too or evaluates it again.
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(kernel_);
+        serializeSample(archive, state_.u);
     }
 
   private:

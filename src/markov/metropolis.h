@@ -112,6 +112,15 @@ class MetropolisSampler {
     Counts counts() const;
 
     size_t lanes() const { return lanes_.size(); }
+    /// Current value of a lane's chain.
+    const Value& value(size_t lane) const { return lanes_[lane].chain.state().value; }
+
+    /// Between two calls. Chains go on from their values, which are part of it.
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(rng_, pool_, steeringSum_, scale_, steeringDrawn_, drawnAtStart_, starts_);
+        serializeElements(archive, lanes_, "lanes");
+    }
 
   private:
     struct Target {
@@ -126,6 +135,11 @@ class MetropolisSampler {
         std::vector<UniformSample> fresh;
         size_t freshDrawn = 0;
         uint64_t largeAccepted = 0, largeTried = 0;
+
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(rng, chain, chain.state().value, largeAccepted, largeTried);
+        }
     };
 
     ReplicaMixture mixture(size_t fresh, size_t steps) const {

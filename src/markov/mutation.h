@@ -1,5 +1,6 @@
 #pragma once
 #include "base/rng.h"
+#include "base/state.h"
 #include "markov/primary_sample.h"
 
 #include <limits>
@@ -44,6 +45,12 @@ class MutationKernel {
     uint64_t tried() const { return tried_; }
     uint64_t accepted() const { return accepted_; }
     double acceptance() const { return tried_ ? double(accepted_) / double(tried_) : 0.0; }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(theta_, tried_, accepted_);
+        checkState(theta_ >= kMinimalTheta && theta_ <= kMaximalTheta, "a theta within its limits");
+    }
 
   private:
     Kind kind_;

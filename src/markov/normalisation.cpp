@@ -8,15 +8,7 @@
 
 namespace metrolux {
 
-namespace {
-
-constexpr double kBinsOfAnOctave = 8;
-constexpr int kOctaves = 64;  ///< on either side of 1
-
-}  // namespace
-
 void SizeHistogram::add(double size, double count) {
-    constexpr int kBins = int(2 * kOctaves * kBinsOfAnOctave);
     if (counts_.empty()) counts_.resize(kBins);
     const double bin = std::floor((std::log2(size) + kOctaves) * kBinsOfAnOctave);
     counts_[static_cast<size_t>(std::clamp(bin, 0.0, double(kBins - 1)))] += count;

@@ -1,4 +1,6 @@
 #pragma once
+#include "base/state.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -28,8 +30,15 @@ class SizeHistogram {
         for (size_t i = 0; i < counts_.size(); ++i)
             if (counts_[i] > 0) visit(sizeOf(i), counts_[i]);
     }
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(counts_);
+        checkState(counts_.empty() || counts_.size() == kBins, "a histogram of as many bins");
+    }
 
   private:
+    static constexpr int kBinsOfAnOctave = 8, kOctaves = 64;  ///< on either side of 1
+    static constexpr size_t kBins = 2 * kOctaves * kBinsOfAnOctave;
     static double sizeOf(size_t bin);
     std::vector<double> counts_;
 };
@@ -115,6 +124,14 @@ class Normalisation {
     /// its root.
     double visibleSamples() const;
 
+    /// Between two iterations.
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(records_, iterations_, logRadius_, value_, visibleSizes_, contributionSizes_);
+        checkState(records_.size() <= kMostRecords, "fewer iterations");
+        checkState(value_.visibility > 0 && value_.contribution > 0, "positive normalisations");
+    }
+
     /// With standard errors, for reports: jackknife over groups of lanes.
     Estimate visibilityEstimate() const { return jackknife(&Solution::visibility); }
     Estimate contributionEstimate() const { return jackknife(&Solution::contribution); }
@@ -125,15 +142,28 @@ class Normalisation {
     struct Counts {
         double uniform = 0, uniformVisible = 0, visible = 0, size = 0;
         Counts& operator+=(const Counts& other);
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(uniform, uniformVisible, visible, size);
+        }
     };
     /// Consecutive iterations.
     struct Record {
         double index = 0, iterations = 0;  ///< mean number of the iteration, how many
         double logRadius = 0;              ///< mean of log r^2
         std::vector<Counts> groups = std::vector<Counts>(kGroups);
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(index, iterations, logRadius);
+            serializeElements(archive, groups, "groups");
+        }
     };
     struct Solution {
         double visibility = 1, contribution = 1;
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(visibility, contribution);
+        }
     };
     Solution solve(int withoutGroup) const;
     /// Bennett's mean over the plain one, both of recent samples.

@@ -1,13 +1,22 @@
 #pragma once
 #include "base/rng.h"
+#include "base/state.h"
 #include "sampling/sample_stream.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace metrolux {
 
 /// A point of primary sample space: the coordinates that have been asked for so far.
 using PrimarySample = std::vector<float>;
+
+template <class Archive>
+void serializeSample(Archive& archive, PrimarySample& u) {
+    archive(u);
+    const auto valid = [](float x) { return x >= 0 && x <= kOneMinusEpsilon; };
+    checkState(std::all_of(u.begin(), u.end(), valid), "primary samples in [0, 1)");
+}
 
 /// Reads a PrimarySample; coordinates beyond its end are drawn uniformly and appended. For samples that are
 /// no mutations: nothing has depended on such coordinates yet, so that they are uniform. MutatedStream reads

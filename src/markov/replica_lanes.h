@@ -129,6 +129,13 @@ class ReplicaLanes {
         if (settings_.pooledTheta) shareTheta();
     }
 
+    /// Between two iterations, when all weights have been paid. Values are evaluated again by run().
+    template <class Archive>
+    void serialize(Archive& archive) {
+        serializeElements(archive, lanes_, "lanes");
+        archive(normalisation_);
+    }
+
     ReplicaCounts counts() const {
         ReplicaCounts c;
         for (const Lane& lane : lanes_) {
@@ -176,6 +183,12 @@ class ReplicaLanes {
         size_t uniformSamples = 0;  ///< of the iteration, so far
         uint64_t swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
         Normalisation::Samples samples;
+
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(rng, visibility, contribution, swapsTried, swapsMade, uniformSwaps, replaced);
+            serializeSample(archive, lastVisible);
+        }
     };
 
     void shareTheta() {

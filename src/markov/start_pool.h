@@ -1,5 +1,6 @@
 #pragma once
 #include "base/rng.h"
+#include "base/state.h"
 
 #include <cstddef>
 #include <span>
@@ -33,6 +34,12 @@ class StartPool {
     double standardError() const;
     /// Key of a slot's sample; the pool may not be empty.
     uint64_t key(size_t slot) const { return keys_[slot]; }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        serializeElements(archive, keys_, "keys");
+        archive(drawn_, sum_, sumOfSquares_);
+    }
 
   private:
     std::vector<uint64_t> keys_;

@@ -56,16 +56,19 @@ StopReason renderPasses(Integrator& integrator, Film& film, const RenderLimits& 
     if (!limits.any()) throw Error("rendering needs a limit: a time, a number of passes or an error");
     const auto clock = hooks.clock ? hooks.clock : steadySeconds;
     const double start = clock();
+    const auto report = [&] {
+        PassReport r{film.passes(), clock() - start + hooks.secondsBefore, film.relativeError(), -1};
+        r.secondsRemaining = estimateRemaining(limits, r);
+        return r;
+    };
+    if (film.passes() > 0)
+        if (const auto reason = reached(limits, report())) return *reason;
     while (true) {
         if (hooks.interrupted && hooks.interrupted()) return StopReason::Interrupted;
         integrator.renderPass(film);
-        PassReport report;
-        report.passes = film.passes();
-        report.seconds = clock() - start;
-        report.relativeError = film.relativeError();
-        report.secondsRemaining = estimateRemaining(limits, report);
-        if (hooks.afterPass) hooks.afterPass(report);
-        if (const auto reason = reached(limits, report)) return *reason;
+        const PassReport now = report();
+        if (hooks.afterPass) hooks.afterPass(now);
+        if (const auto reason = reached(limits, now)) return *reason;
     }
 }
 

@@ -31,10 +31,12 @@ struct PassLoopHooks {
     std::function<double()> clock;                     ///< seconds, any origin; default: steady clock
     std::function<bool()> interrupted;                 ///< asked between passes; default: never
     std::function<void(const PassReport&)> afterPass;  ///< default: nothing
+    double secondsBefore = 0;                          ///< of the passes that the film has already
 };
 
 /// Renders passes until a limit is reached or somebody interrupts, which ends the pass in progress first.
-/// Unless interrupted before it, at least one pass is rendered. Under a time limit no pass is begun that
+/// Unless interrupted before it, the film has a pass at least; a film that comes with passes gets more until
+/// the limits are reached, which count all. Under a time limit no pass is begun that
 /// would probably exceed the limit by more than stopping now would fall short of it. Throws Error when there
 /// is no limit.
 StopReason renderPasses(Integrator& integrator, Film& film, const RenderLimits& limits,

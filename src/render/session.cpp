@@ -1,7 +1,10 @@
 #include "render/session.h"
 
 #include "base/error.h"
+#include "base/state_archive.h"
 #include "geometry/intersector.h"
+#include "image/atomic_file.h"
+#include "integrators/iteration.h"
 
 #include <spdlog/spdlog.h>
 #include <tbb/task_arena.h>
@@ -19,13 +22,27 @@ uint64_t peakMemoryBytes() {
     return uint64_t{1024} * static_cast<uint64_t>(usage.ru_maxrss);
 }
 
-uint64_t raysTraced() {
-    const RayStatistics rays = Intersector::statistics();
-    return rays.intersectRays + rays.shadowRays;
-}
-
 nlohmann::json numberOrNull(double value) {
     return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+/// The integrators of streams. The merging radius, for which the scene is probed, is found once.
+StreamedIntegrator::Make streamMaker(const Scene& scene, const SessionOptions& options) {
+    IntegratorOptions integrator = options.integratorOptions;
+    if (options.streams.count > 1) integrator.radius = projectedPixelRadius(scene, integrator);
+    const std::string name = options.integrator;
+    const uint32_t count = options.streams.count;
+    return [&scene, integrator, name, count](uint32_t stream) {
+        IntegratorOptions own = integrator;
+        own.seed = streamSeed(integrator.seed, stream, count);
+        return makeIntegrator(name, scene, own);
+    };
+}
+
+/// `limits.passes` as those of the chosen streams.
+RenderLimits limitsOfChoice(RenderLimits limits, const StreamChoice& choice) {
+    if (limits.passes > 0) limits.passes = passesOfChoice(choice, limits.passes);
+    return limits;
 }
 
 SessionOptions resolved(const Scene& scene, SessionOptions options) {
@@ -51,59 +68,172 @@ std::string integratorForScene(const std::string& sceneType) {
 }
 
 RenderSession::RenderSession(const Scene& scene, SessionOptions options)
-    : RenderSession(scene, resolved(scene, std::move(options)), nullptr) {
-    integrator_ = makeIntegrator(options_.integrator, scene_, options_.integratorOptions);
-}
+    : RenderSession(scene, resolved(scene, options), streamMaker(scene, resolved(scene, options))) {}
 
 RenderSession::RenderSession(const Scene& scene, SessionOptions options,
                              std::unique_ptr<Integrator> integrator)
+    : RenderSession(scene, std::move(options),
+                    [made = std::make_shared<std::unique_ptr<Integrator>>(std::move(integrator))](uint32_t) {
+                        return std::move(*made);
+                    }) {}
+
+RenderSession::RenderSession(const Scene& scene, SessionOptions options, StreamedIntegrator::Make make)
     : scene_(scene),
       options_(std::move(options)),
       outputs_(options_.outputs, options_.display),
       film_(scene.camera().window(), ReconstructionFilter(scene.parts().filterKind, scene.parts().filter)),
-      integrator_(std::move(integrator)) {}
+      integrator_(std::move(make), options_.streams, options_.limits.passes) {
+    if (!options_.checkpoint.file.empty() && options_.rank == 0) checkWritable(options_.checkpoint.file);
+}
 
-SessionResult RenderSession::run(ProgressReporter& progress, const std::function<bool()>& interrupted) {
+nlohmann::json RenderSession::identity() const {
+    const IntegratorOptions& o = options_.integratorOptions;
+    const FilmWindow& w = scene_.camera().window();
+    nlohmann::json algorithm{{"integrator", options_.integrator},
+                             {"seed", o.seed},
+                             {"max_depth", o.limits.maxDepth},
+                             {"roulette_depth", o.limits.rouletteDepth},
+                             {"hide_emitters", o.limits.hideEmitters},
+                             {"radius", o.radius},
+                             {"radius_alpha", o.radiusAlpha},
+                             {"large_step", o.largeStep},
+                             {"chain_inefficiency", o.chainInefficiency},
+                             {"correlation_aware", o.correlationAware},
+                             {"method", std::string(1, o.mergeMethod)},
+                             {"split", o.split},
+                             {"target", o.target == ChainTarget::Relative ? "relative" : "luminance"},
+                             {"normalisation",
+                              o.normalisation == NormalisationMethod::Bennett ? "bennett" : "pooled"},
+                             {"theta", o.pooledTheta ? "pooled" : "lane"},
+                             {"lanes", o.lanes},
+                             {"iterations_per_pass", PixelPartition(w, o).parts()}};
+    if (o.kernel) algorithm["kernel"] = *o.kernel == MutationKernel::Kind::Adaptive ? "adaptive" : "kelemen";
+    if (o.replicas) algorithm["replicas"] = *o.replicas;
+    return {{"version", options_.version},
+            {"scene", options_.checkpoint.scene},
+            {"window", {w.x, w.y, w.width, w.height}},
+            {"image", {w.fullWidth, w.fullHeight}},
+            {"algorithm", algorithm},
+            {"streams", options_.streams.count}};
+}
+
+void RenderSession::restore(Checkpoint checkpoint) {
+    const auto different = differences(identity(), nlohmann::json::parse(checkpoint.identity));
+    if (!different.empty())
+        throw Error("the checkpoint belongs to another rendering:\n  {}", fmt::join(different, "\n  "));
+    secondsBefore_ = checkpoint.seconds;
+    integrator_.restore(std::move(checkpoint.streams));
+    if (options_.rank > 0) return;  // rank 0 brings what was rendered before
+    StateReader reader(checkpoint.film);
+    film_.loadState(reader);
+    reader.checkEnd();
+    raysBefore_ = checkpoint.rays;
+}
+
+void RenderSession::begin() {
     const auto start = std::chrono::steady_clock::now();
-    cameraLayers_ = renderAovs(scene_, options_.aovs);
+    if (options_.rank == 0) cameraLayers_ = renderAovs(scene_, options_.aovs);
     secondsForAovs_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     Intersector::resetStatistics();
-    nextSave_ = options_.saveEvery;
+    nextSave_ = secondsBefore_ + options_.saveEvery;
+    nextCheckpoint_ = secondsBefore_ + options_.checkpoint.every;
+    if (!options_.checkpoint.file.empty() && options_.rank == 0) removeLeftovers(options_.checkpoint.file);
+}
 
-    PassReport last;
+SessionResult RenderSession::run(ProgressReporter& progress, const std::function<bool()>& interrupted) {
+    begin();
+    PassReport last{film_.passes(), secondsBefore_, film_.relativeError(), -1};
     PassLoopHooks hooks;
     hooks.interrupted = interrupted;
+    hooks.secondsBefore = secondsBefore_;
     hooks.afterPass = [&](const PassReport& report) {
         last = report;
-        progress.update(report, static_cast<double>(raysTraced()) / report.seconds,
-                        integrator_->progressNote());
-        saveIntermediate(report, progress);
+        const RayStatistics traced = rays();
+        progress.update(report,
+                        static_cast<double>(traced.intersectRays + traced.shadowRays) / report.seconds,
+                        integrator_.progressNote());
+        saveWhatIsDue(here(report), progress);
     };
     SessionResult result;
-    result.reason = renderPasses(*integrator_, film_, options_.limits, hooks);
+    result.reason =
+        renderPasses(integrator_, film_, limitsOfChoice(options_.limits, options_.streams), hooks);
     progress.finish();
-    result.passes = film_.passes();
-    result.statistics = statistics(last, result.reason);
-    if (result.passes > 0) result.written = outputs_.writeOrRescue(frame(last));
+    conclude(here(last), result, progress);
     return result;
 }
 
-void RenderSession::saveIntermediate(const PassReport& report, ProgressReporter& progress) {
-    if (!(options_.saveEvery > 0) || report.seconds < nextSave_) return;
-    nextSave_ = report.seconds + options_.saveEvery;
-    for (const std::string& failure : outputs_.write(frame(report))) {
+RenderSession::Snapshot RenderSession::here(const PassReport& report) const {
+    return {film_, report, rays(), [this] { return integrator_.states(); }};
+}
+
+void RenderSession::conclude(const Snapshot& end, SessionResult& result, ProgressReporter& progress) {
+    result.passes = end.film.passes();
+    result.statistics = statistics(end, result.reason);
+    if (result.passes == 0) return;
+    saveCheckpoint(end, progress);
+    result.checkpointFailure = checkpointFailure_;
+    result.written = outputs_.writeOrRescue(frame(end));
+}
+
+void RenderSession::saveWhatIsDue(const Snapshot& now, ProgressReporter& progress) {
+    if (now.report.seconds >= nextCheckpoint_) saveCheckpoint(now, progress);
+    if (!(options_.saveEvery > 0) || now.report.seconds < nextSave_) return;
+    nextSave_ = now.report.seconds + options_.saveEvery;
+    for (const std::string& failure : outputs_.write(frame(now))) {
         progress.finish();
         spdlog::warn("intermediate image: {}", failure);
     }
 }
 
-RenderedFrame RenderSession::frame(const PassReport& report) const {
+void RenderSession::saveCheckpoint(const Snapshot& now, ProgressReporter& progress) {
+    const std::filesystem::path& file = options_.checkpoint.file;
+    if (file.empty()) return;
+    nextCheckpoint_ = now.report.seconds + options_.checkpoint.every;
+    try {
+        writeCheckpoint(file, checkpoint(now));
+        checkpointFailure_.clear();
+    } catch (const std::exception& problem) {
+        checkpointFailure_ = problem.what();
+        progress.finish();
+        spdlog::warn("checkpoint: {}", checkpointFailure_);
+    }
+}
+
+Checkpoint RenderSession::checkpoint(const Snapshot& now) const {
+    Checkpoint c;
+    c.version = options_.version;
+    c.command = options_.checkpoint.command;
+    c.folder = options_.checkpoint.folder;
+    for (const std::filesystem::path& output : options_.outputs) c.outputs.push_back(output.string());
+    c.limits = options_.limits;
+    c.memoryBytes = options_.integratorOptions.memoryBytes;
+    c.identity = identity().dump();
+    c.seconds = now.report.seconds;
+    c.rays = now.rays;
+    c.window = now.film.window();
+    StateWriter writer;
+    now.film.saveState(writer);
+    c.film = writer.take();
+    c.streams = now.streams();
+    return c;
+}
+
+RayStatistics RenderSession::rays() const {
+    RayStatistics rays = Intersector::statistics();
+    rays.intersectRays += raysBefore_.intersectRays;
+    rays.shadowRays += raysBefore_.shadowRays;
+    rays.secondsInEmbree += raysBefore_.secondsInEmbree;
+    return rays;
+}
+
+RenderedFrame RenderSession::frame(const Snapshot& now) const {
     RenderedFrame frame;
-    frame.image = {film_.width(), film_.height(), 3, film_.image()};
+    const PassReport& report = now.report;
+    frame.image = {now.film.width(), now.film.height(), 3, now.film.image()};
     frame.layers = cameraLayers_;
     for (Aov aov : options_.aovs)
-        if (aov == Aov::Variance) frame.layers.push_back(varianceLayer(film_));
-    const FilmWindow& w = film_.window();
+        if (aov == Aov::Variance) frame.layers.push_back(varianceLayer(now.film));
+    const FilmWindow& w = now.film.window();
     frame.metadata = {
         {"Software", "Metrolux " + options_.version},
         {"metrolux:scene", scene_.parts().source},
@@ -119,13 +249,18 @@ RenderedFrame RenderSession::frame(const PassReport& report) const {
     return frame;
 }
 
-nlohmann::json RenderSession::statistics(const PassReport& report, StopReason reason) const {
-    const RayStatistics rays = Intersector::statistics();
+nlohmann::json nonFiniteCounts(const Film& film) {
+    nlohmann::json counts = nlohmann::json::object();
+    for (int i = 0; i < static_cast<int>(Technique::Count); ++i)
+        counts[techniqueName(static_cast<Technique>(i))] = film.nonFinite(static_cast<Technique>(i));
+    return counts;
+}
+
+nlohmann::json RenderSession::statistics(const Snapshot& now, StopReason reason) const {
+    const PassReport& report = now.report;
+    const RayStatistics& traced = now.rays;
     const int threads = tbb::this_task_arena::max_concurrency();
     const double seconds = report.seconds;
-    nlohmann::json nonFinite = nlohmann::json::object();
-    for (int i = 0; i < static_cast<int>(Technique::Count); ++i)
-        nonFinite[techniqueName(static_cast<Technique>(i))] = film_.nonFinite(static_cast<Technique>(i));
     const FilmWindow& w = film_.window();
     return {
         {"version", options_.version},
@@ -141,14 +276,14 @@ nlohmann::json RenderSession::statistics(const PassReport& report, StopReason re
         {"seconds_for_aovs", secondsForAovs_},
         {"relative_error", numberOrNull(report.passes > 0 ? report.relativeError : kInfinity)},
         {"rays",
-         {{"intersect", rays.intersectRays},
-          {"shadow", rays.shadowRays},
+         {{"intersect", traced.intersectRays},
+          {"shadow", traced.shadowRays},
           {"per_second",
-           seconds > 0 ? static_cast<double>(rays.intersectRays + rays.shadowRays) / seconds : 0.0},
-          {"share_of_time", seconds > 0 ? rays.secondsInEmbree / (seconds * threads) : 0.0}}},
+           seconds > 0 ? static_cast<double>(traced.intersectRays + traced.shadowRays) / seconds : 0.0},
+          {"share_of_time", seconds > 0 ? traced.secondsInEmbree / (seconds * threads) : 0.0}}},
         {"peak_memory_bytes", peakMemoryBytes()},
-        {"non_finite", nonFinite},
-        {"integrator_statistics", integrator_->statistics()},
+        {"non_finite", nonFiniteCounts(now.film)},
+        {"integrator_statistics", integrator_.statistics()},
     };
 }
 

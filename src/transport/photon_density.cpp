@@ -2,6 +2,7 @@
 
 #include "base/rng.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace metrolux {
@@ -24,11 +25,31 @@ size_t PhotonDensity::bucketOf(const Vec3f& p) const {
 
 void PhotonDensity::endIteration(double lightSubpaths) {
     lightSubpaths_ += lightSubpaths;
+    for (size_t i = 0; i < kBuckets; ++i) sums_[i] += counts_[i].exchange(0, std::memory_order_relaxed);
+    updateDensities();
+}
+
+void PhotonDensity::updateDensities() {
     const double scale = lightSubpaths_ > 0 ? 1 / (lightSubpaths_ * area_) : 0;
+    for (size_t i = 0; i < kBuckets; ++i) densities_[i] = static_cast<float>(sums_[i] * scale);
+}
+
+void PhotonDensity::used(std::vector<uint32_t>& buckets, std::vector<double>& sums) const {
     for (size_t i = 0; i < kBuckets; ++i) {
-        sums_[i] += counts_[i].exchange(0, std::memory_order_relaxed);
-        densities_[i] = static_cast<float>(sums_[i] * scale);
+        if (sums_[i] == 0) continue;
+        buckets.push_back(static_cast<uint32_t>(i));
+        sums.push_back(sums_[i]);
     }
+}
+
+void PhotonDensity::setUsed(const std::vector<uint32_t>& buckets, const std::vector<double>& sums) {
+    checkState(buckets.size() == sums.size(), "a sum for each bucket");
+    std::fill(sums_.begin(), sums_.end(), 0);
+    for (size_t i = 0; i < buckets.size(); ++i) {
+        checkState(buckets[i] < kBuckets, "a bucket of the table");
+        sums_[buckets[i]] = sums[i];
+    }
+    updateDensities();
 }
 
 }  // namespace metrolux

@@ -1,5 +1,6 @@
 #pragma once
 #include "base/math.h"
+#include "base/state.h"
 
 #include <atomic>
 #include <cstdint>
@@ -24,7 +25,21 @@ class PhotonDensity {
     /// ended.
     double at(const Vec3f& p) const { return densities_[bucketOf(p)]; }
 
+    /// Between two iterations.
+    template <class Archive>
+    void serialize(Archive& archive) {
+        std::vector<uint32_t> buckets;  // most lie where no surface is
+        std::vector<double> sums;
+        used(buckets, sums);
+        archive(lightSubpaths_, buckets, sums);
+        setUsed(buckets, sums);
+    }
+
   private:
+    void used(std::vector<uint32_t>& buckets, std::vector<double>& sums) const;
+    void setUsed(const std::vector<uint32_t>& buckets, const std::vector<double>& sums);
+    void updateDensities();
+
     static constexpr size_t kBuckets = size_t{1} << 18;
     size_t bucketOf(const Vec3f& p) const;
 

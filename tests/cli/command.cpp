@@ -53,12 +53,14 @@ const char* const kTinyScene = R"(<scene version="3.0.0">
 </scene>
 )";
 
-Command::Command(const fs::path& folder, const std::vector<std::string>& arguments) {
+Command::Command(const fs::path& folder, const std::vector<std::string>& arguments,
+                 const std::vector<std::string>& launcher) {
     static std::atomic<int> counter{0};
     const std::string name = ".run" + std::to_string(counter++);
     out_ = folder / (name + ".out");
     err_ = folder / (name + ".err");
-    std::vector<std::string> words{std::string(METROLUX_BINARY_DIR) + "/metrolux"};
+    std::vector<std::string> words = launcher;
+    words.push_back(std::string(METROLUX_BINARY_DIR) + "/metrolux");
     words.insert(words.end(), arguments.begin(), arguments.end());
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
@@ -69,7 +71,7 @@ Command::Command(const fs::path& folder, const std::vector<std::string>& argumen
               err = ::open(err_.c_str(), O_WRONLY | O_CREAT, 0666);
     ::dup2(out, 1);
     ::dup2(err, 2);
-    if (::chdir(folder.c_str()) == 0) ::execv(argv[0], argv.data());
+    if (::chdir(folder.c_str()) == 0) ::execvp(argv[0], argv.data());
     ::_exit(127);
 }
 

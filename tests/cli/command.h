@@ -17,11 +17,14 @@ struct Outcome {
 /// A running program. Its working directory is `folder`; output goes to files there.
 class Command {
   public:
-    Command(const std::filesystem::path& folder, const std::vector<std::string>& arguments);
+    /// `launcher`: words before those of metrolux, the first is found in PATH.
+    Command(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
+            const std::vector<std::string>& launcher = {});
     ~Command();
     Command(const Command&) = delete;
     Command& operator=(const Command&) = delete;
     void signal(int number) const;
+    int pid() const { return pid_; }
     Outcome wait();
 
   private:

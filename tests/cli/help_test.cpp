@@ -11,6 +11,8 @@ using testing::IsEmpty;
 TEST_F(CliTest, HelpTeachesWithExamples) {
     for (const std::vector<std::string>& command : {std::vector<std::string>{"--help"},
                                                     {"render", "--help"},
+                                                    {"resume", "--help"},
+                                                    {"merge", "--help"},
                                                     {"compare", "--help"},
                                                     {"study", "--help"},
                                                     {"bench", "--help"},

@@ -4,9 +4,9 @@
 
 namespace metrolux::mitsuba {
 
-std::filesystem::path LoadContext::resolve(const Element& element, const std::string& filename) const {
+std::filesystem::path LoadContext::resolve(const Element& element, const std::string& filename) {
     try {
-        return findFile(filename, element.location.file, searchPaths);
+        return *files.insert(findFile(filename, element.location.file, searchPaths)).first;
     } catch (const Error& problem) {
         throw element.error(problem.what());
     }

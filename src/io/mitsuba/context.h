@@ -12,6 +12,7 @@
 #include "scene/scene.h"
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -36,7 +37,9 @@ struct LoadContext {
     std::unordered_map<const Element*, std::shared_ptr<const void>> built;
 
     /// Existing file for a name in the scene; throws Error that lists where it was looked for.
-    std::filesystem::path resolve(const Element& element, const std::string& filename) const;
+    /// It is noted in `files`.
+    std::filesystem::path resolve(const Element& element, const std::string& filename);
+    std::set<std::filesystem::path> files;
     void warn(const Element& element, const std::string& message) {
         warnings.emplace_back(element.error(message).what());
     }

@@ -294,7 +294,9 @@ class Parser {
         if (attributes.has("value") == attributes.has("filename"))
             throw Error("expected either value or filename");
         if (attributes.has("value")) return parseSpectrum(attributes["value"]);
-        return readSpectrumFile(findFile(attributes["filename"], file.source.file(), searchPaths()));
+        const fs::path path = findFile(attributes["filename"], file.source.file(), searchPaths());
+        files_.insert(path.string());
+        return readSpectrumFile(path);
     }
 
     /// Runs `action`; its errors get the node's place.
@@ -337,7 +339,7 @@ class Parser {
     std::vector<fs::path> paths_;      // <path>s
     std::vector<fs::path> openFiles_;  // includes that are being read, from the scene on
     fs::path includeFile_;
-    std::set<std::string> files_;
+    mutable std::set<std::string> files_;  // what was read is no part of what is parsed
     int includes_ = 0;
     uint64_t textBytes_ = 0;
     int nextOrder_ = 0;

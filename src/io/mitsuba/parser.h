@@ -18,7 +18,7 @@ struct ParsedScene {
     std::set<const Element*> referenced;  ///< elements that some <ref> uses
     std::vector<std::filesystem::path>
         searchPaths;              ///< in order: <path>s, the last first; then the scene's folder
-    std::set<std::string> files;  ///< the scene and its includes, as locations name them
+    std::set<std::string> files;  ///< the scene, its includes and spectra, as locations name them
     std::vector<std::string> warnings;
 };
 

@@ -29,7 +29,7 @@ MeshOptions meshOptions(const Element& element, LoadContext& context, bool flipT
     return options;
 }
 
-std::filesystem::path meshFile(const Element& element, const LoadContext& context) {
+std::filesystem::path meshFile(const Element& element, LoadContext& context) {
     return context.resolve(element, element.requiredString("filename"));
 }
 

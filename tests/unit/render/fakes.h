@@ -1,5 +1,5 @@
 #pragma once
-#include "integrators/integrator.h"
+#include "integrators/resumable.h"
 
 #include <nlohmann/json.hpp>
 
@@ -8,7 +8,7 @@
 namespace metrolux::test {
 
 /// Gives every pixel of pass i the value `values(i)`.
-class FakeIntegrator final : public Integrator {
+class FakeIntegrator final : public Resumable<FakeIntegrator> {
   public:
     explicit FakeIntegrator(std::function<float(uint32_t)> values = [](uint32_t) { return 1.0f; })
         : values_(std::move(values)) {}
@@ -18,6 +18,8 @@ class FakeIntegrator final : public Integrator {
             film.addEye(static_cast<uint32_t>(i), Rgb(value, 0, 2 * value));
         film.endPass();
     }
+    template <class Archive>
+    void serialize(Archive&) {}
     nlohmann::json statistics() const override { return {{"fake", true}}; }
     std::string progressNote() const override { return "a note"; }
 

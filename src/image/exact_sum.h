@@ -1,0 +1,58 @@
+#pragma once
+/// Sums of passes that do not depend on the order of their terms, nor on how the terms are divided: films of
+/// different processes add up to the same bits as one film of all passes.
+
+#include <cmath>
+#include <cstdint>
+
+namespace metrolux {
+
+/// A sum in units of 2^-fractionBits, 128 bits.
+template <int fractionBits>
+class ExactSum {
+  public:
+    /// A term; the sum of all must stay below 2^(127 - fractionBits).
+    void add(double term) { units_ += static_cast<Integer>(std::nearbyint(std::ldexp(term, fractionBits))); }
+    ExactSum& operator+=(const ExactSum& other) {
+        units_ += other.units_;
+        return *this;
+    }
+    double value() const { return std::ldexp(static_cast<double>(units_), -fractionBits); }
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        auto low = static_cast<uint64_t>(units_), high = static_cast<uint64_t>(units_ >> 64);
+        archive(low, high);
+        units_ = (static_cast<Integer>(static_cast<int64_t>(high)) << 64) | static_cast<Integer>(low);
+    }
+
+  private:
+    __extension__ using Integer = __int128;
+    Integer units_ = 0;
+};
+
+/// What a pixel has received in all passes.
+struct PixelSum {
+    /// Largest value of a pass. No sum overflows in 2^27 passes.
+    static constexpr double kLargest = 0x1p36;
+
+    ExactSum<63> color[3];
+    /// Of the luminances of the passes: two ranges, as squares span twice the orders of magnitude.
+    ExactSum<100> faintSquares;
+    ExactSum<26> brightSquares;
+
+    void addSquare(double square) { square < 1 ? faintSquares.add(square) : brightSquares.add(square); }
+    double squares() const { return faintSquares.value() + brightSquares.value(); }
+    PixelSum& operator+=(const PixelSum& other) {
+        for (int c = 0; c < 3; ++c) color[c] += other.color[c];
+        faintSquares += other.faintSquares;
+        brightSquares += other.brightSquares;
+        return *this;
+    }
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(color[0], color[1], color[2], faintSquares, brightSquares);
+    }
+};
+
+}  // namespace metrolux

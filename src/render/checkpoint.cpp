@@ -1,0 +1,178 @@
+#include "render/checkpoint.h"
+
+#include "base/error.h"
+#include "base/state_archive.h"
+#include "image/atomic_file.h"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <csignal>
+#include <fstream>
+#include <zlib.h>
+
+namespace metrolux {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What the file begins with; a number for each change of the format, in the machine's order of bytes.
+constexpr std::string_view kMagic = "Metrolux";
+constexpr uint32_t kFormat = 1, kForeignFormat = 0x01000000;
+/// Magic, format, checksum of the payload, size of the payload.
+constexpr size_t kHeaderBytes = 8 + 4 + 4 + 8;
+
+/// CRC-32 finds every flipped bit and every burst of up to 32.
+uint32_t checksum(std::string_view bytes, uint32_t start = 0) {
+    return static_cast<uint32_t>(
+        ::crc32_z(start, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+}
+
+/// Of a file that is here: an error of reading is no damage.
+std::string readBytes(const fs::path& file) {
+    std::error_code code;
+    if (!fs::is_regular_file(file, code)) {
+        const fs::path previous = previousCheckpoint(file);
+        throw Error("checkpoint '{}': there is no such file{}", file.string(),
+                    fs::exists(previous, code) ? fmt::format(", but there is '{}'", previous.string()) : "");
+    }
+    std::string bytes(fs::file_size(file), '\0');
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (!stream) throw Error("checkpoint '{}': cannot be read", file.string());
+    return bytes;
+}
+
+std::string header(std::string_view payload) {
+    StateWriter writer;
+    writer.write(kMagic.data(), kMagic.size());
+    writer(kFormat, checksum(payload), uint64_t{payload.size()});
+    return writer.take();
+}
+
+/// The payload, after all checks that need no version.
+std::string_view checkedPayload(std::string_view bytes, const std::string& name) {
+    if (!bytes.starts_with(kMagic)) throw Error("'{}' is not a checkpoint of Metrolux", name);
+    if (bytes.size() < kHeaderBytes)
+        throw Error("checkpoint '{}' is damaged: found {} bytes, expected {} of a header", name, bytes.size(),
+                    kHeaderBytes);
+    StateReader reader(bytes.substr(kMagic.size(), kHeaderBytes - kMagic.size()));
+    uint32_t format = 0, sum = 0;
+    uint64_t size = 0;
+    reader(format, sum, size);
+    if (format == kForeignFormat)
+        throw Error("checkpoint '{}' was written on a machine with another order of bytes", name);
+    if (format != kFormat)
+        throw Error("checkpoint '{}': found format {}, expected {}", name, format, kFormat);
+    const std::string_view payload = bytes.substr(kHeaderBytes);
+    if (payload.size() != size)
+        throw Error("checkpoint '{}' is damaged: found {} bytes, expected {}", name, bytes.size(),
+                    kHeaderBytes + size);
+    if (const uint32_t found = checksum(payload); found != sum)
+        throw Error("checkpoint '{}' is damaged: found the checksum {:08x}, expected {:08x}", name, found,
+                    sum);
+    return payload;
+}
+
+std::string fileFingerprint(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    std::vector<char> block(size_t{1} << 20);
+    uint32_t sum = 0;
+    uint64_t size = 0;
+    while (stream) {
+        stream.read(block.data(), static_cast<std::streamsize>(block.size()));
+        const auto count = static_cast<size_t>(stream.gcount());
+        sum = checksum({block.data(), count}, sum);
+        size += count;
+    }
+    if (stream.bad() || size == 0) throw Error("{}: cannot be read again", file.string());
+    return fmt::format("{} bytes, checksum {:08x}", size, sum);
+}
+
+}  // namespace
+
+template <class Archive>
+void Checkpoint::serialize(Archive& archive) {
+    archive(command, folder, outputs, limits.seconds, limits.passes, limits.relativeError, memoryBytes,
+            identity, seconds, rays.intersectRays, rays.shadowRays, rays.secondsInEmbree);
+    archive(window.fullWidth, window.fullHeight, window.x, window.y, window.width, window.height);
+    archive(film, streams);
+}
+
+fs::path previousCheckpoint(const fs::path& file) { return file.string() + ".1"; }
+
+void writeCheckpoint(const fs::path& file, const Checkpoint& checkpoint) {
+    StateWriter writer;
+    writer(checkpoint.version, checkpoint);
+    const std::string payload = writer.take(), head = header(payload);
+    AtomicFile target(file);
+    std::ofstream stream(target.temporary(), std::ios::binary);
+    for (const std::string& part : {std::cref(head), std::cref(payload)})
+        stream.write(part.data(), static_cast<std::streamsize>(part.size()));
+    stream.close();
+    if (!stream) throw Error("cannot write '{}': {}", file.string(), std::strerror(errno));
+    target.commit(previousCheckpoint(file));
+}
+
+Checkpoint parseCheckpoint(std::string_view bytes, const std::string& name, const std::string& version) {
+    StateReader reader(checkedPayload(bytes, name));
+    Checkpoint checkpoint;
+    reader(checkpoint.version);
+    if (checkpoint.version != version)
+        throw Error("checkpoint '{}' was written by version {} of Metrolux, this is {}", name,
+                    checkpoint.version, version);
+    reader(checkpoint);
+    reader.checkEnd();
+    return checkpoint;
+}
+
+Checkpoint readCheckpoint(const fs::path& file, const std::string& version) {
+    const std::string bytes = readBytes(file);
+    try {
+        return parseCheckpoint(bytes, file.string(), version);
+    } catch (const Error& problem) {
+        std::error_code code;
+        const fs::path previous = previousCheckpoint(file);
+        if (!fs::exists(previous, code)) throw;
+        throw Error("{}; the one before it is '{}'", problem.what(), previous.string());
+    }
+}
+
+void removeLeftovers(const fs::path& file) {
+    const std::string prefix = fmt::format(".{}.", file.filename().string());
+    const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
+    std::error_code code;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, code)) {
+        const std::string name = entry.path().filename().string();
+        if (!name.starts_with(prefix) || !name.ends_with(".tmp")) continue;
+        // The name of AtomicFile's temporary: .FILE.PROCESS-NUMBER.tmp
+        const int process = std::atoi(name.c_str() + prefix.size());
+        if (process > 0 && ::kill(process, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), code);
+    }
+}
+
+nlohmann::json fingerprints(const std::vector<fs::path>& files) {
+    nlohmann::json result = nlohmann::json::object();
+    if (files.empty()) return result;
+    const fs::path folder = fs::absolute(files.front()).parent_path();
+    for (const fs::path& file : files)
+        result[fs::absolute(file).lexically_relative(folder).generic_string()] = fileFingerprint(file);
+    return result;
+}
+
+std::vector<std::string> differences(const nlohmann::json& found, const nlohmann::json& expected) {
+    const nlohmann::json a = found.flatten(), b = expected.flatten();
+    std::vector<std::string> result;
+    const auto text = [](const nlohmann::json& object, const std::string& key) {
+        return object.contains(key) ? object[key].dump() : "nothing";
+    };
+    for (const auto& [key, value] : a.items())
+        if (!b.contains(key) || b[key] != value)
+            result.push_back(fmt::format("{}: found {}, expected {}", key, value.dump(), text(b, key)));
+    for (const auto& [key, value] : b.items())
+        if (!a.contains(key))
+            result.push_back(fmt::format("{}: found nothing, expected {}", key, value.dump()));
+    return result;
+}
+
+}  // namespace metrolux

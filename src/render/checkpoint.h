@@ -1,0 +1,57 @@
+#pragma once
+/// The file that keeps a rendering between two processes.
+
+#include "base/state.h"
+#include "geometry/intersector.h"
+#include "image/film_window.h"
+#include "render/pass_loop.h"
+#include "render/streams.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace metrolux {
+
+/// Everything that a rendering needs to go on, but for the scene's files.
+struct Checkpoint {
+    std::string version;               ///< of the program
+    std::vector<std::string> command;  ///< words of `metrolux render ...`
+    std::string folder;                ///< its working directory
+    std::vector<std::string> outputs;  ///< images
+    RenderLimits limits;
+    size_t memoryBytes = 0;  ///< IntegratorOptions::memoryBytes, which may be the machine's
+    /// JSON: what the passes depend on, scene files and options. Renderings of the same identity can be
+    /// continued and merged.
+    std::string identity;
+    double seconds = 0;  ///< rendered so far
+    RayStatistics rays;  ///< traced so far
+    FilmWindow window;
+    std::string film;                  ///< Film::saveState
+    std::vector<StreamState> streams;  ///< that have passes
+
+    template <class Archive>
+    void serialize(Archive& archive);
+};
+
+/// Replaces the file as a whole or not at all; the one before is kept as FILE.1. Throws Error.
+void writeCheckpoint(const std::filesystem::path& file, const Checkpoint& checkpoint);
+/// Throws Error that says what is wrong with the file: damaged, or of another format or version of the
+/// program.
+Checkpoint readCheckpoint(const std::filesystem::path& file, const std::string& version);
+/// As readCheckpoint(), from the file's bytes; `name` is for messages.
+Checkpoint parseCheckpoint(std::string_view bytes, const std::string& name, const std::string& version);
+
+/// FILE.1.
+std::filesystem::path previousCheckpoint(const std::filesystem::path& file);
+/// Removes what a process that was killed while it wrote this checkpoint has left beside it.
+void removeLeftovers(const std::filesystem::path& file);
+
+/// Size and checksum of each file, by its name relative to the folder of the first one.
+nlohmann::json fingerprints(const std::vector<std::filesystem::path>& files);
+/// What differs between two identities, one line for each difference; empty if they are the same.
+std::vector<std::string> differences(const nlohmann::json& found, const nlohmann::json& expected);
+
+}  // namespace metrolux

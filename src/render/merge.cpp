@@ -1,0 +1,49 @@
+#include "render/merge.h"
+
+#include "base/error.h"
+#include "base/state_archive.h"
+
+namespace metrolux {
+
+void PartMerger::add(const std::string& name, const Checkpoint& part) {
+    const nlohmann::json identity = nlohmann::json::parse(part.identity);
+    const ReconstructionFilter unused(ReconstructionFilter::Kind::Box, {});  // nothing is rendered
+    if (!film_) {
+        firstName_ = name;
+        identity_ = identity;
+        film_ = std::make_unique<Film>(part.window, unused);
+    }
+    const auto different = differences(identity, identity_);
+    if (!different.empty())
+        throw Error("'{}' does not belong to the rendering of '{}':\n  {}", name, firstName_,
+                    fmt::join(different, "\n  "));
+    addStreams(name, part);
+    Film film(part.window, unused);
+    StateReader reader(part.film);
+    film.loadState(reader);
+    reader.checkEnd();
+    film_->add(film);
+    seconds_ += part.seconds;
+    rays_.intersectRays += part.rays.intersectRays;
+    rays_.shadowRays += part.rays.shadowRays;
+    rays_.secondsInEmbree += part.rays.secondsInEmbree;
+}
+
+void PartMerger::addStreams(const std::string& name, const Checkpoint& part) {
+    for (const StreamState& stream : part.streams) {
+        const auto [other, isNew] = origin_.emplace(stream.index, name);
+        if (!isNew)
+            throw Error("stream {} is in '{}' and in '{}': parts may not overlap", stream.index,
+                        other->second, name);
+        passes_[stream.index] = stream.passes;
+    }
+}
+
+std::vector<uint32_t> PartMerger::missing() const {
+    std::vector<uint32_t> result;
+    for (uint32_t s = 0; s < identity_["streams"].get<uint32_t>(); ++s)
+        if (!passes_.contains(s)) result.push_back(s);
+    return result;
+}
+
+}  // namespace metrolux

@@ -1,0 +1,40 @@
+#pragma once
+#include "image/film.h"
+#include "render/checkpoint.h"
+
+#include <nlohmann/json.hpp>
+
+#include <map>
+
+namespace metrolux {
+
+/// Joins the checkpoints of streams that were rendered apart. Sums are exact, so that the image is that of
+/// one process which rendered all of them.
+class PartMerger {
+  public:
+    /// Throws Error for a part of another rendering than the first one, and for a stream that is there
+    /// already. `name` is for messages.
+    void add(const std::string& name, const Checkpoint& part);
+
+    /// After the first add(): mean over all passes, so that each part weighs as many as it has.
+    const Film& film() const { return *film_; }
+    const nlohmann::json& identity() const { return identity_; }
+    double seconds() const { return seconds_; }  ///< of all parts
+    const RayStatistics& rays() const { return rays_; }
+    /// Passes of each stream.
+    const std::map<uint32_t, uint32_t>& passes() const { return passes_; }
+    /// Streams that no part has.
+    std::vector<uint32_t> missing() const;
+
+  private:
+    void addStreams(const std::string& name, const Checkpoint& part);
+    std::string firstName_;
+    nlohmann::json identity_;
+    std::unique_ptr<Film> film_;
+    double seconds_ = 0;
+    RayStatistics rays_;
+    std::map<uint32_t, uint32_t> passes_;
+    std::map<uint32_t, std::string> origin_;
+};
+
+}  // namespace metrolux

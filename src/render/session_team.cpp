@@ -1,0 +1,127 @@
+/// RenderSession together with other processes. Each renders streams into its own film; now and then all
+/// meet, and rank 0 receives the sum.
+
+#include "base/error.h"
+#include "render/session.h"
+
+#include <chrono>
+#include <map>
+
+namespace metrolux {
+namespace {
+
+class Stopwatch {
+  public:
+    explicit Stopwatch(double before) : before_(before) {}
+    double seconds() const {
+        return before_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+  private:
+    double before_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Time between two meetings: what is written next decides.
+double meetingInterval(const SessionOptions& options) {
+    double interval = kInfinity;
+    if (options.saveEvery > 0) interval = options.saveEvery;
+    if (!options.checkpoint.file.empty()) interval = std::min(interval, options.checkpoint.every);
+    return interval;
+}
+
+}  // namespace
+
+/// With a number of passes, a rank takes the next stream when it has finished one. Without, time is the
+/// limit, and each rank keeps its own streams, in turns.
+void RenderSession::shareStreams(Team& team) {
+    const StreamChoice& choice = options_.streams;
+    if (options_.limits.passes > 0) {
+        integrator_.setNext([&]() -> std::optional<uint32_t> {
+            while (true) {
+                const uint64_t stream = uint64_t{choice.first} + team.takeNumber();
+                if (stream > choice.last) return std::nullopt;
+                if (integrator_.unfinished(static_cast<uint32_t>(stream)))
+                    return static_cast<uint32_t>(stream);
+            }
+        });
+        return;
+    }
+    const auto size = static_cast<uint32_t>(team.size()),
+               first = choice.first + static_cast<uint32_t>(team.rank());
+    integrator_.setNext([=, next = first, last = choice.last]() mutable -> std::optional<uint32_t> {
+        if (first > last) return std::nullopt;
+        const uint32_t stream = next;
+        next = stream + size > last ? first : stream + size;
+        return stream;
+    });
+}
+
+std::unique_ptr<Film> RenderSession::merged(const TeamResult& result) const {
+    auto film = std::make_unique<Film>(film_.window(), film_.filter());
+    film->addSums(result.sums, result.passes);
+    for (size_t i = 0; i < result.nonFinite.size(); ++i)
+        for (uint64_t n = 0; n < result.nonFinite[i]; ++n) film->countNonFinite(static_cast<Technique>(i));
+    return film;
+}
+
+SessionResult RenderSession::runTogether(Team& team, ProgressReporter& progress,
+                                         const std::function<bool()>& interrupted) {
+    if (options_.limits.relativeError > 0)
+        throw Error(
+            "--error: several processes know the error of their own passes only; give --time or --passes");
+    team.checkSame(identity().dump(), "rendering");
+    begin();
+    shareStreams(team);
+    const Stopwatch watch(secondsBefore_);
+    const double interval = meetingInterval(options_);
+    const bool keepsStreams = !options_.checkpoint.file.empty();
+    double nextMeeting = watch.seconds() + interval;
+    bool working = true, stopped = false;
+    SessionResult result;
+    while (true) {
+        stopped = stopped || interrupted();
+        const bool inTime = !(options_.limits.seconds > 0) || watch.seconds() < options_.limits.seconds;
+        working = working && !stopped && inTime && integrator_.advance();
+        if (working) {
+            integrator_.renderPass(film_);
+            if (team.rank() == 0)
+                progress.update({film_.passes(), watch.seconds(), kInfinity, -1}, 0,
+                                integrator_.progressNote());
+            if (watch.seconds() < nextMeeting) continue;
+        }
+        std::vector<StreamState> own;
+        if (keepsStreams && team.rank() > 0) own = integrator_.states(true);
+        const TeamResult all = team.meet({film_, std::move(own), rays(), working, stopped});
+        nextMeeting = watch.seconds() + interval;
+        stopped = all.interrupted;
+        result.reason = stopped                                ? StopReason::Interrupted
+                        : options_.limits.passes > 0 && inTime ? StopReason::Passes
+                                                               : StopReason::Time;
+        if (team.rank() == 0) report(all, watch.seconds(), result, progress);
+        if (!all.working) return result;
+    }
+}
+
+/// Rank 0, after a meeting.
+void RenderSession::report(const TeamResult& all, double seconds, SessionResult& result,
+                           ProgressReporter& progress) {
+    const std::unique_ptr<Film> film = merged(all);
+    const auto streams = [&] {
+        std::map<uint32_t, StreamState> states;
+        for (StreamState& s : integrator_.states()) states[s.index] = std::move(s);
+        for (const StreamState& s : all.streams) states[s.index] = s;
+        std::vector<StreamState> list;
+        for (auto& [index, state] : states) list.push_back(std::move(state));
+        return list;
+    };
+    const Snapshot now{*film, {film->passes(), seconds, film->relativeError(), -1}, all.rays, streams};
+    if (all.working) {
+        saveWhatIsDue(now, progress);
+    } else {
+        progress.finish();
+        conclude(now, result, progress);
+    }
+}
+
+}  // namespace metrolux

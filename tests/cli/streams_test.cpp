@@ -1,0 +1,196 @@
+/// Renderings that are divided: over processes by hand, and over ranks of MPI.
+
+#include "command.h"
+#include "image/image_io.h"
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+namespace metrolux::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using Words = std::vector<std::string>;
+
+Words operator+(Words a, const Words& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
+
+class StreamsTest : public CliTest {
+  protected:
+    std::vector<float> pixels(const std::string& image) const {
+        return readImage(folder / image, false).pixels;
+    }
+    /// 22 passes in 8 streams: some have one more than others.
+    static Words words(const std::string& integrator) {
+        return {"render",   "scene.xml", "-i",        integrator, "--resolution", "24x18",
+                "--passes", "22",        "--streams", "8",        "--seed",       "3"};
+    }
+    Outcome part(const std::string& integrator, const std::string& streams, const std::string& name) const {
+        return run(words(integrator) + Words{"--only-streams", streams, "--checkpoint", name});
+    }
+    static bool haveMpi() { return std::system("command -v mpirun > /dev/null") == 0; }
+    static Words mpirun(int ranks) {
+        return {"mpirun", "--allow-run-as-root", "--oversubscribe", "-n", std::to_string(ranks)};
+    }
+    Outcome runRanks(int ranks, const Words& arguments) const {
+        return Command(folder, arguments, mpirun(ranks)).wait();
+    }
+};
+
+TEST_F(StreamsTest, FourPartsEqualTheWhole) {
+    for (const char* integrator : {"path", "vcm", "mcmc_vcm", "pssmlt"}) {
+        ASSERT_EQ(run(words(integrator) + Words{"-o", "whole.exr", "--aov", "variance"}).status, 0);
+        Words merge{"merge"};
+        // In any order.
+        for (const char* streams : {"6-7", "0-2", "5", "3-4"}) {
+            const Outcome outcome = part(integrator, streams, std::string("part") + streams);
+            ASSERT_EQ(outcome.status, 0) << outcome.err;
+            merge.push_back(std::string("part") + streams);
+        }
+        const Outcome outcome =
+            run(merge + Words{"-o", "merged.exr", "--aov", "variance", "--stats", "a.json"});
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        EXPECT_EQ(pixels("merged.exr"), pixels("whole.exr")) << integrator;
+        EXPECT_EQ(readLayer(folder / "merged.exr", "variance").pixels,
+                  readLayer(folder / "whole.exr", "variance").pixels)
+            << integrator;
+        const nlohmann::json s = nlohmann::json::parse(std::ifstream(folder / "a.json"));
+        EXPECT_EQ(s["passes"], 22);
+        EXPECT_EQ(s["passes_of_streams"]["5"], 3);
+        EXPECT_EQ(s["passes_of_streams"]["6"], 2);
+        EXPECT_TRUE(s["missing_streams"].empty());
+    }
+}
+
+TEST_F(StreamsTest, StreamsAreAnotherImageThanOneStreamAndThanEachOther) {
+    ASSERT_EQ(run(words("path") + Words{"-o", "eight.exr"}).status, 0);
+    ASSERT_EQ(run({"render", "scene.xml", "-i", "path", "--resolution", "24x18", "--passes", "22", "--seed",
+                   "3", "-o", "one.exr"})
+                  .status,
+              0);
+    EXPECT_NE(pixels("eight.exr"), pixels("one.exr"));
+    for (const char* stream : {"6", "7"}) {
+        ASSERT_EQ(part("path", stream, std::string("p") + stream).status, 0);
+        ASSERT_EQ(run({"merge", std::string("p") + stream, "-o", std::string(stream) + ".exr"}).status, 0);
+    }
+    EXPECT_NE(pixels("6.exr"), pixels("7.exr"));
+}
+
+TEST_F(StreamsTest, PartsThatDoNotBelongTogetherAreRefused) {
+    ASSERT_EQ(part("path", "0-3", "a").status, 0);
+    ASSERT_EQ(part("path", "3-7", "overlapping").status, 0);
+    ASSERT_EQ(part("vcm", "4-7", "integrator").status, 0);
+    ASSERT_EQ(run(words("path") + Words{"--only-streams", "4-7", "--checkpoint", "depth", "--max-depth", "3"})
+                  .status,
+              0);
+    std::string scene = kTinyScene;
+    scene.replace(scene.find("0.3, 0.5, 0.7"), 13, "0.3, 0.5, 0.8");
+    write("scene.xml", scene);
+    ASSERT_EQ(part("path", "4-7", "scene").status, 0);
+    const std::vector<std::pair<std::string, std::string>> cases{
+        {"a", "stream 0 is in 'a' and in 'a'"},
+        {"overlapping", "stream 3 is in 'a' and in 'overlapping'"},
+        {"integrator", "algorithm/integrator: found \"vcm\", expected \"path\""},
+        {"depth", "algorithm/max_depth: found 3, expected 8"},
+        {"scene", "scene/files/scene.xml"},
+    };
+    for (const auto& [other, message] : cases) {
+        const Outcome outcome = run({"merge", "a", other, "-o", "merged.exr"});
+        EXPECT_EQ(outcome.status, 2) << other;
+        EXPECT_THAT(outcome.err, HasSubstr(message)) << other;
+    }
+    const Outcome missing = run({"merge", "a", "-o", "merged.exr"});
+    EXPECT_EQ(missing.status, 0);
+    EXPECT_THAT(missing.err, HasSubstr("4 of 8 streams are missing: 4, 5, 6, 7"));
+    EXPECT_EQ(run({"merge", "a"}).status, 2) << "no image is named";
+}
+
+TEST_F(StreamsTest, OptionsThatCannotBeAreRefused) {
+    const std::vector<std::pair<Words, std::string>> cases{
+        {{"--only-streams", "0-3", "--checkpoint", "c"}, "--streams S"},
+        {{"--streams", "8", "--only-streams", "0-3"}, "--checkpoint FILE"},
+        {{"--streams", "8", "--only-streams", "0-8", "--checkpoint", "c"}, "expected 0 to 7"},
+        {{"--streams", "8", "--only-streams", "3-1", "--checkpoint", "c"}, "'3-1' is not a range"},
+        {{"--streams", "8", "--only-streams", "3", "--checkpoint", "c", "--error", "0.1"}, "--error"},
+        {{"--streams", "8", "--only-streams", "7", "--checkpoint", "c", "--passes", "7"}, "found 7 passes"},
+    };
+    for (const auto& [options, message] : cases) {
+        const Outcome outcome = run(Words{"render", "scene.xml"} + options);
+        EXPECT_EQ(outcome.status, 2) << testing::PrintToString(options);
+        EXPECT_THAT(outcome.err, HasSubstr(message));
+    }
+}
+
+TEST_F(StreamsTest, StreamsAreResumedAndTakeTurnsUnderATimeLimit) {
+    ASSERT_EQ(run(words("mcmc_vcm") + Words{"-o", "whole.exr"}).status, 0);
+    Words shorter = words("mcmc_vcm");
+    std::replace(shorter.begin(), shorter.end(), std::string("22"), std::string("13"));
+    ASSERT_EQ(run(shorter + Words{"-o", "a.exr", "--checkpoint", "c"}).status, 0);
+    ASSERT_EQ(run({"resume", "c", "--passes", "22"}).status, 0);
+    EXPECT_EQ(pixels("a.exr"), pixels("whole.exr"));
+
+    ASSERT_EQ(run({"render", "scene.xml", "-i", "path", "--streams", "3", "--time", "0.7s", "-o", "b.exr",
+                   "--stats", "b.json"})
+                  .status,
+              0);
+    const nlohmann::json passes =
+        nlohmann::json::parse(std::ifstream(folder / "b.json"))["integrator_statistics"]["passes_of_streams"];
+    ASSERT_EQ(passes.size(), 3u);
+    for (const char* stream : {"1", "2"}) EXPECT_NEAR(passes[stream].get<int>(), passes["0"].get<int>(), 8);
+}
+
+TEST_F(StreamsTest, RanksOfMpiMakeTheSameImage) {
+    if (!haveMpi()) GTEST_SKIP() << "mpirun is not there";
+    for (const char* integrator : {"path", "vcm", "mcmc_vcm"}) {
+        ASSERT_EQ(run(words(integrator) + Words{"-o", "one.exr"}).status, 0);
+        for (int ranks = 1; ranks <= 3; ++ranks) {
+            const Outcome outcome =
+                runRanks(ranks, words(integrator) + Words{"-o", "ranks.exr", "--aov", "variance"});
+            ASSERT_EQ(outcome.status, 0) << outcome.err;
+            EXPECT_EQ(pixels("ranks.exr"), pixels("one.exr")) << integrator << " on " << ranks;
+            fs::remove(folder / "ranks.exr");
+        }
+    }
+}
+
+TEST_F(StreamsTest, ARankThatDiesEndsTheJobAndAnotherNumberOfRanksGoesOn) {
+    if (!haveMpi()) GTEST_SKIP() << "mpirun is not there";
+    const Words longer{"render",   "scene.xml", "-i",        "mcmc_vcm", "--resolution", "24x18",
+                       "--passes", "600",       "--streams", "8",        "--threads",    "1"};
+    ASSERT_EQ(run(longer + Words{"-o", "whole.exr"}).status, 0);
+    const Words saving{"-o", "a.exr", "--checkpoint", "c", "--checkpoint-every", "0.05s"};
+    Command job(folder, longer + saving, mpirun(3));
+    ASSERT_TRUE(waitFor("c"));
+    std::ifstream children(fmt::format("/proc/{0}/task/{0}/children", job.pid()));
+    pid_t rank = 0;
+    while (children >> rank) {
+    }
+    ASSERT_GT(rank, 0);
+    ASSERT_EQ(::kill(rank, SIGKILL), 0);  // the last one
+    const Outcome dead = job.wait();
+    EXPECT_NE(dead.status, 0);
+    EXPECT_THAT(dead.err + dead.out, HasSubstr("exited on signal 9"));
+    ASSERT_FALSE(fs::exists(folder / "a.exr"));
+    const Outcome outcome = runRanks(2, {"resume", "c", "--threads", "1"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(pixels("a.exr"), pixels("whole.exr"));
+}
+
+TEST_F(StreamsTest, RanksNeedStreams) {
+    if (!haveMpi()) GTEST_SKIP() << "mpirun is not there";
+    const Outcome outcome = runRanks(2, {"render", "scene.xml", "--passes", "4"});
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("give --streams S"));
+}
+
+}  // namespace
+}  // namespace metrolux::cli

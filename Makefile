@@ -49,7 +49,7 @@ debug-test: setup
 gallery: build
 	tools/gallery.sh
 
-# The pictures of docs/integrators.md: about eight minutes.
+# The pictures of docs/integrators.md: two minutes of processor time.
 integrator-pictures: build
 	tools/integrator_pictures.sh
 

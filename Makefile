@@ -86,7 +86,7 @@ gallery: build
 study: build
 	tools/study.sh study
 
-# The pictures of docs/integrators.md: about eight minutes.
+# The pictures of docs/integrators.md: two minutes of processor time.
 integrator-pictures: build
 	tools/integrator_pictures.sh
 

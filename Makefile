@@ -3,7 +3,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
 BUILD := build
 PACKAGES := $(shell cat packages.txt)
 
-.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery study format tidy clean integrator-pictures sanitize thread-test fuzz soak bench
+.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery study format tidy clean integrator-pictures sanitize thread-test fuzz soak bench soak-checkpoint
 
 setup:
 	@dpkg-query -W -f='$${Status}\n' $(PACKAGES) 2>/dev/null | grep -c '^install ok installed$$' | \
@@ -46,6 +46,11 @@ bench: setup
 # Mitsuba's own render tests, of ../shared/conformance.
 test-conformance: build
 	ctest --preset release -L conformance
+
+# Each integrator killed ten times and resumed.
+soak-checkpoint: build
+	cmake --build --preset release --target test_cli
+	METROLUX_KILLS=10 $(BUILD)/tests/test_cli --gtest_filter='*KillTest*'
 
 debug-test: setup
 	cmake --preset debug

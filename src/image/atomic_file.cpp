@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <cerrno>
+#include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
@@ -32,7 +34,8 @@ fs::path folderOf(const fs::path& file) {
 
 /// Gives a file a second name, in place of what had it.
 void keepAs(const fs::path& file, const fs::path& name) {
-    const fs::path link = name.string() + fmt::format(".{}.tmp", ::getpid());
+    const fs::path link =
+        folderOf(file) / fmt::format(".{}.{}-link.tmp", file.filename().string(), ::getpid());
     std::error_code code;
     fs::remove(link, code);
     fs::create_hard_link(file, link, code);
@@ -93,6 +96,19 @@ void AtomicFile::commit(const fs::path& previous) {
 }
 
 void checkWritable(const fs::path& target) { const AtomicFile probe(target); }
+
+void removeLeftovers(const fs::path& target) {
+    const std::string prefix = fmt::format(".{}.", target.filename().string());
+    std::error_code code;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folderOf(target), code)) {
+        const std::string name = entry.path().filename().string();
+        if (!name.starts_with(prefix) || !name.ends_with(".tmp")) continue;
+        // .NAME.PROCESS-NUMBER.tmp
+        const int process = std::atoi(name.c_str() + prefix.size());
+        std::error_code ignored;
+        if (process > 0 && ::kill(process, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), ignored);
+    }
+}
 
 void writeTextFile(const fs::path& target, std::string_view text) {
     AtomicFile file(target);

@@ -27,6 +27,8 @@ class AtomicFile {
 
 /// Throws Error when a file could not be written there. Leaves no trace.
 void checkWritable(const std::filesystem::path& target);
+/// Removes what processes that were killed while they wrote this file have left beside it.
+void removeLeftovers(const std::filesystem::path& target);
 /// Throws Error.
 void writeTextFile(const std::filesystem::path& target, std::string_view text);
 

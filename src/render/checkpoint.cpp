@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include <array>
-#include <csignal>
 #include <fstream>
 #include <zlib.h>
 
@@ -135,19 +134,6 @@ Checkpoint readCheckpoint(const fs::path& file, const std::string& version) {
         const fs::path previous = previousCheckpoint(file);
         if (!fs::exists(previous, code)) throw;
         throw Error("{}; the one before it is '{}'", problem.what(), previous.string());
-    }
-}
-
-void removeLeftovers(const fs::path& file) {
-    const std::string prefix = fmt::format(".{}.", file.filename().string());
-    const fs::path folder = file.parent_path().empty() ? fs::path(".") : file.parent_path();
-    std::error_code code;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder, code)) {
-        const std::string name = entry.path().filename().string();
-        if (!name.starts_with(prefix) || !name.ends_with(".tmp")) continue;
-        // The name of AtomicFile's temporary: .FILE.PROCESS-NUMBER.tmp
-        const int process = std::atoi(name.c_str() + prefix.size());
-        if (process > 0 && ::kill(process, 0) != 0 && errno == ESRCH) fs::remove(entry.path(), code);
     }
 }
 

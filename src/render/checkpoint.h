@@ -46,8 +46,6 @@ Checkpoint parseCheckpoint(std::string_view bytes, const std::string& name, cons
 
 /// FILE.1.
 std::filesystem::path previousCheckpoint(const std::filesystem::path& file);
-/// Removes what a process that was killed while it wrote this checkpoint has left beside it.
-void removeLeftovers(const std::filesystem::path& file);
 
 /// Size and checksum of each file, by its name relative to the folder of the first one.
 nlohmann::json fingerprints(const std::vector<std::filesystem::path>& files);

@@ -137,7 +137,9 @@ void RenderSession::begin() {
     Intersector::resetStatistics();
     nextSave_ = secondsBefore_ + options_.saveEvery;
     nextCheckpoint_ = secondsBefore_ + options_.checkpoint.every;
-    if (!options_.checkpoint.file.empty() && options_.rank == 0) removeLeftovers(options_.checkpoint.file);
+    if (options_.rank > 0) return;
+    if (!options_.checkpoint.file.empty()) removeLeftovers(options_.checkpoint.file);
+    for (const std::filesystem::path& output : options_.outputs) removeLeftovers(output);
 }
 
 SessionResult RenderSession::run(ProgressReporter& progress, const std::function<bool()>& interrupted) {

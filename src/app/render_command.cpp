@@ -239,12 +239,17 @@ void addMachineOptions(CLI::App& app, RenderArguments& a) {
         ->check(wholeNumber(1, 4096))
         ->group(group);
     app.add_option("--memory", a.memory,
-                   "What a pass may store: 4G, 512M (default: half of the machine's memory)")
+                   "What an iteration may store: 4G, 512M (default: 1536M); larger images\nare made of more "
+                   "iterations a pass")
         ->option_text("SIZE")
         ->group(group);
 }
 
 namespace {
+
+/// A fixed number, because the image depends on it: more memory of the machine must not change it. Keeps
+/// 1920x1080 pixels of eight vertices each below 2.5 GB in all.
+constexpr size_t kDefaultMemory = size_t{1536} << 20;
 
 void checkReplicas(const std::string& replicas) {
     if (replicas.empty() || replicas.find_first_not_of("uvf") != std::string::npos)
@@ -277,7 +282,7 @@ void checkIntegratorName(const std::string& name) {
 
 void prepareAlgorithm(RenderArguments& a) {
     IntegratorOptions& options = a.session.integratorOptions;
-    options.memoryBytes = a.memory.empty() ? physicalMemoryBytes() / 2 : parseMemory(a.memory);
+    options.memoryBytes = a.memory.empty() ? kDefaultMemory : parseMemory(a.memory);
     if (options.replicas) checkReplicas(*options.replicas);
     if (!a.kernel.empty())
         options.kernel =

@@ -89,24 +89,24 @@ RenderSession::RenderSession(const Scene& scene, SessionOptions options, Streame
 nlohmann::json RenderSession::identity() const {
     const IntegratorOptions& o = options_.integratorOptions;
     const FilmWindow& w = scene_.camera().window();
-    nlohmann::json algorithm{{"integrator", options_.integrator},
-                             {"seed", o.seed},
-                             {"max_depth", o.limits.maxDepth},
-                             {"roulette_depth", o.limits.rouletteDepth},
-                             {"hide_emitters", o.limits.hideEmitters},
-                             {"radius", o.radius},
-                             {"radius_alpha", o.radiusAlpha},
-                             {"large_step", o.largeStep},
-                             {"chain_inefficiency", o.chainInefficiency},
-                             {"correlation_aware", o.correlationAware},
-                             {"method", std::string(1, o.mergeMethod)},
-                             {"split", o.split},
-                             {"target", o.target == ChainTarget::Relative ? "relative" : "luminance"},
-                             {"normalisation",
-                              o.normalisation == NormalisationMethod::Bennett ? "bennett" : "pooled"},
-                             {"theta", o.pooledTheta ? "pooled" : "lane"},
-                             {"lanes", o.lanes},
-                             {"iterations_per_pass", PixelPartition(w, o).parts()}};
+    nlohmann::json algorithm{
+        {"integrator", options_.integrator},
+        {"seed", o.seed},
+        {"max_depth", o.limits.maxDepth},
+        {"roulette_depth", o.limits.rouletteDepth},
+        {"hide_emitters", o.limits.hideEmitters},
+        {"radius", o.radius},
+        {"radius_alpha", o.radiusAlpha},
+        {"large_step", o.largeStep},
+        {"chain_inefficiency", o.chainInefficiency},
+        {"correlation_aware", o.correlationAware},
+        {"method", std::string(1, o.mergeMethod)},
+        {"split", o.split},
+        {"target", o.target == ChainTarget::Relative ? "relative" : "luminance"},
+        {"normalisation", o.normalisation == NormalisationMethod::Bennett ? "bennett" : "pooled"},
+        {"theta", o.pooledTheta ? "pooled" : "lane"},
+        {"lanes", o.lanes},
+        {"iterations_per_pass", PixelPartition(w, o).parts()}};
     if (o.kernel) algorithm["kernel"] = *o.kernel == MutationKernel::Kind::Adaptive ? "adaptive" : "kelemen";
     if (o.replicas) algorithm["replicas"] = *o.replicas;
     return {{"version", options_.version},

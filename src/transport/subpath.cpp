@@ -27,7 +27,6 @@ bool scatter(const Walk& walk, const Vertex& v, Ray& ray, Rgb& throughput, MisSt
     walk.stream.seek(v.depth);
     const float uLobe = walk.stream.next1D();
     const Vec2f u = walk.stream.next2D();
-    const float uRoulette = walk.stream.next1D();
 
     const Vec3f known = v.si.toLocal(v.toPrevious);
     const std::optional<BsdfSample> s = bsdf.sample(v.si, known, walk.mode, uLobe, u);
@@ -40,7 +39,7 @@ bool scatter(const Walk& walk, const Vertex& v, Ray& ray, Rgb& throughput, MisSt
     if (v.depth >= walk.limits.rouletteDepth) {
         // Local quantities only: the survival probability does not depend on how the walk came here.
         const float survival = std::min(maxComponent(bsdf.albedo(v.si)), kMaximalSurvival);
-        if (!(uRoulette < survival)) return false;
+        if (!(walk.stream.next1D() < survival)) return false;
         throughput *= 1.0f / survival;
     }
     if (isBlack(throughput)) return false;

@@ -22,7 +22,9 @@ TEST(RayRecorder, ReplayFindsTheSameAnswers) {
     const auto trace = [&](uint64_t seed) {
         CounterRng rng(hashKey(seed));
         for (int i = 0; i < 500; ++i) {
-            const Ray ray{warp::squareToSphere(rng.next2D()) * 5.0f, warp::squareToSphere(rng.next2D())};
+            const Vec3f from = warp::squareToSphere(rng.next2D()) * 5.0f;
+            const Vec3f to = warp::squareToSphere(rng.next2D()) * 4.0f;
+            const Ray ray{from, normalize(to - from)};
             SurfaceInteraction si;
             scene.intersect(ray, si);
             scene.occluded(ray);

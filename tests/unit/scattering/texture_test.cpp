@@ -92,6 +92,7 @@ class AttributeShape final : public Shape {
     float area() const override { return 1; }
     ShapeSample sampleArea(const Vec2f&) const override { return {}; }
     void bounds(Vec3f& lower, Vec3f& upper) const override { lower = upper = Vec3f(0, 0, 0); }
+    Partials partialsAt(const SurfaceInteraction&) const override { return {}; }
     bool attribute(const std::string& name, const SurfaceInteraction& si, Rgb& value) const override {
         value = {si.barycentric.x, si.barycentric.y, 0};
         return name == "vertex_color";

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <charconv>
 #include <cstdio>
 #include <cstring>
@@ -55,7 +56,8 @@ void writeHills(const fs::path& file, uint64_t triangles) {
     for (uint32_t z = 0; z < n; ++z)
         for (uint32_t x = 0; x < n; ++x) {
             const uint32_t a = z * (n + 1) + x, b = a + n + 1;
-            for (const auto& t : {std::array{a, b, a + 1}, std::array{a + 1, b, b + 1}}) {
+            for (const auto& t :
+                 {std::array<uint32_t, 3>{a, b, a + 1}, std::array<uint32_t, 3>{a + 1, b, b + 1}}) {
                 append(bytes, uint8_t{3});
                 for (const uint32_t index : t) append(bytes, index);
             }

@@ -210,13 +210,13 @@ struct LogNormal {
 };
 
 TEST(BennettMean, IsTheMeanAndBetterThanThePlainOne) {
-    constexpr double kSigma = 2;
+    constexpr double kSpread = 2;
     constexpr int kRepetitions = 64, kSamples = 2000;
-    const double exact = std::exp(kSigma * kSigma / 2);
+    const double exact = std::exp(kSpread * kSpread / 2);
     double sum = 0, squared = 0, plainSquared = 0;
     for (uint64_t k = 0; k < kRepetitions; ++k) {
-        const SizeHistogram v = LogNormal{kSigma, hashKey(1, k)}.histogram(kSamples, 0),
-                            f = LogNormal{kSigma, hashKey(2, k)}.histogram(kSamples, kSigma * kSigma);
+        const SizeHistogram v = LogNormal{kSpread, hashKey(1, k)}.histogram(kSamples, 0),
+                            f = LogNormal{kSpread, hashKey(2, k)}.histogram(kSamples, kSpread * kSpread);
         const double error = bennettMean(v, f) / exact - 1, plain = bennettMean(v, {}) / exact - 1;
         sum += error;
         squared += error * error;

@@ -68,7 +68,7 @@ TEST_F(CliTest, WrongOptionsFailWithStatus2AndSayWhatIsWrong) {
         {{"render", "scene.xml", "--resolution", "12"}, "WIDTHxHEIGHT"},
         {{"render", "scene.xml", "--resolution", "99999999x99999999"}, "65536"},
         {{"render", "scene.xml", "--resolution", "1000000x1000000"}, "65536"},
-        {{"render", "scene.xml", "--resolution", "65536x65536"}, "65536 x 65536 is too large"},
+        {{"render", "scene.xml", "--resolution", "65536x65536"}, "65536 x 65536 pixels is too large"},
         {{"render", "scene.xml", "--scene-memory", "1k", "--passes", "1"}, "would take"},
         {{"render", "scene.xml", "--crop", "1,2,3"}, "x,y,width,height"},
         {{"render", "scene.xml", "--crop", "20,0,10,10", "--passes", "1"}, "crop"},

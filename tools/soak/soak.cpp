@@ -38,6 +38,7 @@ struct Settings {
     int passes = 4, threads = 2;
     std::vector<std::string> integrators;
     fs::path folder, report;
+    int pipe = -1;  ///< of a child: where it reports
 };
 
 double secondsNow() {
@@ -77,6 +78,10 @@ IntegratorOptions randomOptions(uint64_t seed, const Scene& scene) {
     if (rng.next1D() < 0.3f)
         options.kernel = rng.next1D() < 0.5f ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
     options.correlationAware = rng.next1D() < 0.8f;
+    if (rng.next1D() < 0.2f) options.split = {1, 1 + 5.0 * rng.next1D(), 1 + 5.0 * rng.next1D()};
+    if (rng.next1D() < 0.2f) options.target = ChainTarget::Relative;
+    if (rng.next1D() < 0.2f) options.normalisation = NormalisationMethod::Bennett;
+    options.pooledTheta = rng.next1D() < 0.2f;
     return options;
 }
 
@@ -114,8 +119,10 @@ void renderScene(const Settings& settings, uint64_t seed, const Reporter& report
     }
 }
 
-int runChild(const Settings& settings, uint64_t first, double end, int pipe) {
-    const Reporter reporter(pipe);
+int runChild(const Settings& settings) {
+    const Reporter reporter(settings.pipe);
+    const uint64_t first = settings.seed;
+    const double end = secondsNow() + settings.seconds;
     ThreadLimit limit(settings.threads);
     limit.execute([&] {
         for (uint64_t seed = first; secondsNow() < end && seed - settings.seed < settings.count; ++seed) {
@@ -152,7 +159,7 @@ class Supervisor {
         if (child < 0) throw Error("no process: {}", std::strerror(errno));
         if (child == 0) {
             ::close(ends[0]);
-            std::exit(runChild(settings_, next_, end, ends[1]));
+            becomeChild(end - secondsNow(), ends[1]);
         }
         ::close(ends[1]);
         finished_ = false;
@@ -169,6 +176,28 @@ class Supervisor {
             problem(fmt::format("ended with status {}{}", WEXITSTATUS(status),
                                 finished_ ? " after the last scene (a leak?)" : ""));
         ++next_;
+    }
+
+    /// A program of its own: libraries start threads before main() that a fork does not have, and wait for
+    /// them at exit (log4cplus, which OpenImageIO brings).
+    [[noreturn]] void becomeChild(double seconds, int pipe) const {
+        const uint64_t left = settings_.count - (next_ - settings_.seed);
+        std::vector<std::string> words{
+            "metrolux_soak",
+            fmt::format("--child={}", pipe),
+            fmt::format("--seed={}", next_),
+            fmt::format("--count={}", left),
+            fmt::format("--seconds={}", std::max(seconds, 0.0)),
+            fmt::format("--passes={}", settings_.passes),
+            fmt::format("--threads={}", settings_.threads),
+            fmt::format("--keep={}", settings_.folder.string()),
+            fmt::format("--integrators={}", fmt::join(settings_.integrators, ",")),
+        };
+        std::vector<char*> arguments;
+        for (std::string& word : words) arguments.push_back(word.data());
+        arguments.push_back(nullptr);
+        ::execv("/proc/self/exe", arguments.data());
+        ::_exit(4);
     }
 
     /// Until the child closes the pipe; false if it says nothing for too long.
@@ -271,7 +300,9 @@ int run(int argc, char** argv) {
         ->delimiter(',');
     app.add_option("--report", settings.report, "JSON file for the counts");
     app.add_option("--keep", settings.folder, "Folder for the scene in work (default: a temporary one)");
+    app.add_option("--child", settings.pipe, "File descriptor to report to (set by the program itself)");
     CLI11_PARSE(app, argc, argv);
+    if (settings.pipe >= 0) return runChild(settings);
     if (settings.integrators.empty())
         for (const auto& [name, description] : integratorList()) settings.integrators.push_back(name);
     const bool temporary = settings.folder.empty();

@@ -2,6 +2,8 @@
 
 #include "base/error.h"
 
+#include <cmath>
+
 namespace metrolux {
 
 namespace {
@@ -40,6 +42,11 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
         }
         lightIndex_.emplace_back(light.get(), static_cast<uint32_t>(lightIndex_.size()));
         powers.push_back(light->power());
+        if (!std::isfinite(powers.back()))
+            throw Error(
+                "{}: the power of light {} of {} is {}, expected a finite number: is its emission or its "
+                "size beyond what single precision holds?",
+                parts_.source, powers.size(), parts_.lights.size(), powers.back());
     }
     std::sort(lightIndex_.begin(), lightIndex_.end());
 

@@ -61,16 +61,24 @@ TEST_F(CliTest, ContributionsThatAreNotFiniteAreReported) {
 <transform name="to_world"><lookat origin="0 0 -4" target="0 0 0" up="0 1 0"/></transform></sensor>
 <shape type="sphere"><float name="radius" value="0.5"/></shape>
 <emitter type="point"><point name="position" x="0" y="0" z="-0.501"/>
-<rgb name="intensity" value="3e38 3e38 3e38"/></emitter></scene>)");
+<rgb name="intensity" value="1e37 1e37 1e37"/></emitter></scene>)");
     const Outcome outcome =
         run({"render", "bright.xml", "-i", "bdpt", "--passes", "2", "-o", "a.exr", "--stats", "a.json"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("contributions of the technique 'nee' were not finite"));
+    EXPECT_THAT(outcome.err, HasSubstr("contributions of the technique 'splat' were not finite"));
     std::ifstream stream(folder / "a.json");
     const nlohmann::json counts = nlohmann::json::parse(stream)["non_finite"];
-    EXPECT_GT(counts["nee"], 0);
+    EXPECT_GT(counts["splat"], 0);
     EXPECT_EQ(counts["hit"], 0) << "nothing is hit: the light is a point";
     for (const float value : readImage(folder / "a.exr", false).pixels) EXPECT_TRUE(std::isfinite(value));
+}
+
+TEST_F(CliTest, LightsOfInfinitePowerAreRefused) {
+    write("infinite.xml", R"(<scene version="3.0.0"><sensor type="perspective"/><shape type="sphere"/>
+<emitter type="point"><rgb name="intensity" value="3e38 3e38 3e38"/></emitter></scene>)");
+    const Outcome outcome = run({"render", "infinite.xml", "--passes", "1"});
+    EXPECT_EQ(outcome.status, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("infinite.xml: the power of light 1 of 1 is"));
 }
 
 TEST_F(CliTest, SeedChangesTheNoise) {

@@ -1,6 +1,7 @@
 #include "app/commands.h"
 #include "app/render_options.h"
 #include "app/validators.h"
+#include "base/clock.h"
 #include "base/error.h"
 #include "image/atomic_file.h"
 #include "render/threads.h"
@@ -8,8 +9,6 @@
 #include "study/speed.h"
 
 #include <spdlog/spdlog.h>
-
-#include <chrono>
 
 namespace metrolux::app {
 namespace {
@@ -27,26 +26,19 @@ struct BenchArguments {
     std::string json;
 };
 
-/// Seconds to read a scene and to build what rays are traced in.
-nlohmann::json loadTimes(double read, double build) { return {{"read", read}, {"build", build}}; }
-
 int bench(BenchArguments& a) {
     RenderArguments& r = a.render;
     prepareAlgorithm(r);
     if (!a.json.empty()) checkWritable(a.json);
     a.speed.threads = ThreadLimit(r.threads).threads();
-    const auto now = [] {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-    };
-    const double start = now();
+    const double start = steadySeconds();
     SceneParts parts = loadSceneParts(r.scene, r);
     for (const std::string& warning : parts.warnings) spdlog::warn("{}", warning);
-    const double read = now() - start;
+    const double read = steadySeconds() - start;
     const Scene scene(std::move(parts));
-    const double build = now() - start - read;
+    const double build = steadySeconds() - start - read;
 
-    a.speed.integrator =
-        r.session.integrator == "scene" ? integratorForScene(scene.parts().integrator) : r.session.integrator;
+    a.speed.integrator = integratorName(r.session.integrator, scene);
     a.speed.options = r.session.integratorOptions;
     a.speed.options.limits = scene.parts().limits;
     if (r.maxDepth) a.speed.options.limits.maxDepth = *r.maxDepth;
@@ -54,7 +46,7 @@ int bench(BenchArguments& a) {
     nlohmann::json j{{"format", "metrolux-bench"},
                      {"scene", r.scene},
                      {"machine", study::describeMachine(a.speed.threads)},
-                     {"load_seconds", loadTimes(read, build)},
+                     {"load_seconds", {{"read", read}, {"build", build}}},
                      {"time", study::timestamp()}};
     j["passes"] = study::measurePasses(scene, a.speed);
     j["techniques"] = study::measureTechniques(scene, a.speed);

@@ -2,8 +2,8 @@
 
 namespace metrolux::app {
 
-/// Files that grow over a limit (ulimit -f) are errors from now on, and do not end the program.
-/// From now on the first SIGINT or SIGTERM only sets a flag; a second one ends the program at once.
+/// From now on the first SIGINT or SIGTERM only sets a flag; a second one ends the program at once. Files
+/// that grow over a limit (ulimit -f) become errors, and do not end the program.
 void catchInterrupts();
 bool interruptRequested();
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Options of `render` that other commands take too; defined with that command.
+/// Options of `render`, of which other commands take parts.
 
 #include "io/scene_loader.h"
 #include "render/session.h"
@@ -44,6 +44,8 @@ void addMachineOptions(CLI::App& app, RenderArguments& a);
 void prepareAlgorithm(RenderArguments& a);
 /// Checks what is named for output, before anything expensive begins. Throws Error.
 void prepareOutputs(RenderArguments& a);
+/// All of it for `render`: values and outputs, before anything expensive begins. Throws Error.
+void prepareRender(RenderArguments& a);
 /// Reads a scene with the options for it. Throws Error.
 SceneParts loadSceneParts(const std::filesystem::path& file, const RenderArguments& a,
                           std::vector<std::filesystem::path>* files = nullptr);

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 
+#include <sys/resource.h>
 #include <unistd.h>
 
 namespace metrolux {
@@ -9,6 +10,12 @@ namespace metrolux {
 uint64_t physicalMemoryBytes() {
     const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGE_SIZE);
     return pages > 0 && size > 0 ? static_cast<uint64_t>(pages) * static_cast<uint64_t>(size) : 0;
+}
+
+uint64_t peakMemoryBytes() {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return uint64_t{1024} * static_cast<uint64_t>(usage.ru_maxrss);
 }
 
 std::string sizeText(uint64_t bytes) {

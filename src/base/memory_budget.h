@@ -7,6 +7,8 @@ namespace metrolux {
 
 /// Bytes of memory that this machine has; 0 if the system does not say.
 uint64_t physicalMemoryBytes();
+/// The largest resident set of this process so far, in bytes.
+uint64_t peakMemoryBytes();
 /// "1.5 GiB", for messages.
 std::string sizeText(uint64_t bytes);
 

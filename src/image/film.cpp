@@ -196,11 +196,16 @@ double Film::relativeError() const {
     return implementation_->errorKnown ? implementation_->error.relativeError() : kInfinity;
 }
 
+TechniqueCounts Film::nonFinite() const {
+    TechniqueCounts counts;
+    for (size_t i = 0; i < counts.size(); ++i) counts[i] = nonFinite_[i].load();
+    return counts;
+}
+
 template <class Archive>
 void Film::serialize(Archive& archive) {
     Implementation& film = *implementation_;
-    std::array<uint64_t, static_cast<size_t>(Technique::Count)> nonFinite;
-    for (size_t i = 0; i < nonFinite.size(); ++i) nonFinite[i] = nonFinite_[i].load();
+    TechniqueCounts nonFinite = this->nonFinite();
     archive(passes_, passIndex_, film.errorKnown);
     serializeElements(archive, nonFinite, "techniques");
     serializeElements(archive, film.sums, "pixels");
@@ -212,19 +217,16 @@ void Film::saveState(StateWriter& writer) const {
 }
 void Film::loadState(StateReader& reader) { serialize(reader); }
 
-void Film::add(const Film& other) {
-    addSums(other.sums(), other.passes());
-    for (size_t i = 0; i < static_cast<size_t>(Technique::Count); ++i)
-        nonFinite_[i].fetch_add(other.nonFinite_[i].load());
-}
+void Film::add(const Film& other) { addSums(other.sums(), other.passes(), other.nonFinite()); }
 
 std::span<const PixelSum> Film::sums() const { return implementation_->sums; }
 
-void Film::addSums(std::span<const PixelSum> sums, uint32_t passes) {
+void Film::addSums(std::span<const PixelSum> sums, uint32_t passes, const TechniqueCounts& nonFinite) {
     if (sums.size() != implementation_->sums.size())
         throw Error("film: found the sums of {} pixels, expected {}", sums.size(),
                     implementation_->sums.size());
     for (size_t i = 0; i < sums.size(); ++i) implementation_->sums[i] += sums[i];
+    for (size_t i = 0; i < nonFinite.size(); ++i) nonFinite_[i].fetch_add(nonFinite[i]);
     passes_ += passes;
     implementation_->errorKnown = false;
 }

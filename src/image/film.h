@@ -6,6 +6,7 @@
 #include "image/filter.h"
 #include "image/splat.h"
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <mutex>
@@ -18,6 +19,7 @@ namespace metrolux {
 /// Technique that made a contribution, for the count of non-finite values.
 enum class Technique : uint8_t { Hit, Nee, Connect, Splat, Merge, Count };
 const char* techniqueName(Technique technique);
+using TechniqueCounts = std::array<uint64_t, static_cast<size_t>(Technique::Count)>;
 
 /// A rectangle of raster positions, in pixels of the full image.
 struct RasterRectangle {
@@ -86,10 +88,11 @@ class Film {
     /// give the same bits. relativeError() is not known for the result.
     void add(const Film& other);
     std::span<const PixelSum> sums() const;
-    /// As add(), of a film that has these sums.
-    void addSums(std::span<const PixelSum> sums, uint32_t passes);
+    /// As add(), of a film that has these sums and counts.
+    void addSums(std::span<const PixelSum> sums, uint32_t passes, const TechniqueCounts& nonFinite);
 
     /// Non-finite contributions were counted instead of added (ARCHITECTURE.md).
+    TechniqueCounts nonFinite() const;
     uint64_t nonFinite(Technique technique) const { return nonFinite_[static_cast<int>(technique)].load(); }
     void countNonFinite(Technique technique) { nonFinite_[static_cast<int>(technique)].fetch_add(1); }
     /// True (and counted) when a contribution may not enter the film.

@@ -15,6 +15,8 @@ namespace metrolux {
 /// term goes to the accumulator of its own magnitude. A term has at most 40 significant bits in its range, so
 /// that 2^23 terms of the largest size fit an accumulator before it could wrap.
 class FixedPointImage {
+    static constexpr size_t kChannels = 3, kRanges = 3;
+
   public:
     explicit FixedPointImage(size_t pixels) : pixels_(pixels), sums_(pixels * kChannels * kRanges) {}
 
@@ -42,10 +44,6 @@ class FixedPointImage {
 
     static constexpr double kLargest = 0x1p36;
 
-  private:
-    static constexpr size_t kChannels = 3, kRanges = 3;
-
-  public:
     static constexpr size_t kPixelBytes = kChannels * kRanges * sizeof(std::atomic<int64_t>);
 
   private:

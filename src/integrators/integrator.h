@@ -61,6 +61,9 @@ class Integrator {
     virtual std::string progressNote() const { return {}; }
 };
 
+/// An empty film for the scene's camera.
+Film makeFilm(const Scene& scene);
+
 /// Names of all integrators, with a line of description each.
 std::vector<std::pair<std::string, std::string>> integratorList();
 /// Throws Error for an unknown name, with the nearest known one.

@@ -48,6 +48,10 @@ std::vector<std::pair<std::string, std::string>> integratorList() {
     return result;
 }
 
+Film makeFilm(const Scene& scene) {
+    return {scene.camera().window(), ReconstructionFilter(scene.parts().filterKind, scene.parts().filter)};
+}
+
 std::unique_ptr<Integrator> makeIntegrator(const std::string& name, const Scene& scene,
                                            const IntegratorOptions& options) {
     std::vector<std::string> names;

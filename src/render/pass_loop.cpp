@@ -1,16 +1,12 @@
 #include "render/pass_loop.h"
 
+#include "base/clock.h"
 #include "base/error.h"
 
-#include <chrono>
 #include <optional>
 
 namespace metrolux {
 namespace {
-
-double steadySeconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 std::optional<StopReason> reached(const RenderLimits& limits, const PassReport& report) {
     const double secondsPerPass = report.seconds / std::max(1u, report.passes);

@@ -1,6 +1,8 @@
 #include "render/session.h"
 
+#include "base/clock.h"
 #include "base/error.h"
+#include "base/memory_budget.h"
 #include "base/state_archive.h"
 #include "geometry/intersector.h"
 #include "image/atomic_file.h"
@@ -9,18 +11,10 @@
 #include <spdlog/spdlog.h>
 #include <tbb/task_arena.h>
 
-#include <chrono>
 #include <map>
-#include <sys/resource.h>
 
 namespace metrolux {
 namespace {
-
-uint64_t peakMemoryBytes() {
-    rusage usage{};
-    ::getrusage(RUSAGE_SELF, &usage);
-    return uint64_t{1024} * static_cast<uint64_t>(usage.ru_maxrss);
-}
 
 nlohmann::json numberOrNull(double value) {
     return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
@@ -30,7 +24,7 @@ nlohmann::json numberOrNull(double value) {
 StreamedIntegrator::Make streamMaker(const Scene& scene, const SessionOptions& options) {
     IntegratorOptions integrator = options.integratorOptions;
     if (options.streams.count > 1) integrator.radius = projectedPixelRadius(scene, integrator);
-    const std::string name = options.integrator;
+    const std::string name = integratorName(options.integrator, scene);
     const uint32_t count = options.streams.count;
     return [&scene, integrator, name, count](uint32_t stream) {
         IntegratorOptions own = integrator;
@@ -43,11 +37,6 @@ StreamedIntegrator::Make streamMaker(const Scene& scene, const SessionOptions& o
 RenderLimits limitsOfChoice(RenderLimits limits, const StreamChoice& choice) {
     if (limits.passes > 0) limits.passes = passesOfChoice(choice, limits.passes);
     return limits;
-}
-
-SessionOptions resolved(const Scene& scene, SessionOptions options) {
-    if (options.integrator == "scene") options.integrator = integratorForScene(scene.parts().integrator);
-    return options;
 }
 
 }  // namespace
@@ -67,8 +56,12 @@ std::string integratorForScene(const std::string& sceneType) {
     return found->second;
 }
 
+std::string integratorName(const std::string& chosen, const Scene& scene) {
+    return chosen == "scene" ? integratorForScene(scene.parts().integrator) : chosen;
+}
+
 RenderSession::RenderSession(const Scene& scene, SessionOptions options)
-    : RenderSession(scene, resolved(scene, options), streamMaker(scene, resolved(scene, options))) {}
+    : RenderSession(scene, options, streamMaker(scene, options)) {}
 
 RenderSession::RenderSession(const Scene& scene, SessionOptions options,
                              std::unique_ptr<Integrator> integrator)
@@ -81,8 +74,9 @@ RenderSession::RenderSession(const Scene& scene, SessionOptions options, Streame
     : scene_(scene),
       options_(std::move(options)),
       outputs_(options_.outputs, options_.display),
-      film_(scene.camera().window(), ReconstructionFilter(scene.parts().filterKind, scene.parts().filter)),
+      film_(makeFilm(scene)),
       integrator_(std::move(make), options_.streams, options_.limits.passes) {
+    options_.integrator = integratorName(options_.integrator, scene);
     if (!options_.checkpoint.file.empty() && options_.rank == 0) checkWritable(options_.checkpoint.file);
 }
 
@@ -131,9 +125,9 @@ void RenderSession::restore(Checkpoint checkpoint) {
 }
 
 void RenderSession::begin() {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = steadySeconds();
     if (options_.rank == 0) cameraLayers_ = renderAovs(scene_, options_.aovs);
-    secondsForAovs_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    secondsForAovs_ = steadySeconds() - start;
     Intersector::resetStatistics();
     nextSave_ = secondsBefore_ + options_.saveEvery;
     nextCheckpoint_ = secondsBefore_ + options_.checkpoint.every;
@@ -253,8 +247,8 @@ RenderedFrame RenderSession::frame(const Snapshot& now) const {
 
 nlohmann::json nonFiniteCounts(const Film& film) {
     nlohmann::json counts = nlohmann::json::object();
-    for (int i = 0; i < static_cast<int>(Technique::Count); ++i)
-        counts[techniqueName(static_cast<Technique>(i))] = film.nonFinite(static_cast<Technique>(i));
+    const TechniqueCounts all = film.nonFinite();
+    for (size_t i = 0; i < all.size(); ++i) counts[techniqueName(static_cast<Technique>(i))] = all[i];
     return counts;
 }
 

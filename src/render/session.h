@@ -47,6 +47,8 @@ struct SessionResult {
 /// The integrator that stands for a Mitsuba integrator type ("direct" -> "path", "ptracer" -> "light" ...).
 /// Names of this program's integrators stand for themselves. Throws Error for what it does not know.
 std::string integratorForScene(const std::string& sceneType);
+/// A name of integratorList(): `chosen`, or what the scene names where that is "scene". Throws Error.
+std::string integratorName(const std::string& chosen, const Scene& scene);
 
 /// Contributions that were not finite, by technique, for statistics.
 nlohmann::json nonFiniteCounts(const Film& film);

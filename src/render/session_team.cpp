@@ -1,26 +1,14 @@
 /// RenderSession together with other processes. Each renders streams into its own film; now and then all
 /// meet, and rank 0 receives the sum.
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "render/session.h"
 
-#include <chrono>
 #include <map>
 
 namespace metrolux {
 namespace {
-
-class Stopwatch {
-  public:
-    explicit Stopwatch(double before) : before_(before) {}
-    double seconds() const {
-        return before_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
-
-  private:
-    double before_;
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// Time between two meetings: what is written next decides.
 double meetingInterval(const SessionOptions& options) {
@@ -59,9 +47,7 @@ void RenderSession::shareStreams(Team& team) {
 
 std::unique_ptr<Film> RenderSession::merged(const TeamResult& result) const {
     auto film = std::make_unique<Film>(film_.window(), film_.filter());
-    film->addSums(result.sums, result.passes);
-    for (size_t i = 0; i < result.nonFinite.size(); ++i)
-        for (uint64_t n = 0; n < result.nonFinite[i]; ++n) film->countNonFinite(static_cast<Technique>(i));
+    film->addSums(result.sums, result.passes, result.nonFinite);
     return film;
 }
 
@@ -73,32 +59,32 @@ SessionResult RenderSession::runTogether(Team& team, ProgressReporter& progress,
     team.checkSame(identity().dump(), "rendering");
     begin();
     shareStreams(team);
-    const Stopwatch watch(secondsBefore_);
+    const double start = steadySeconds() - secondsBefore_;
+    const auto seconds = [start] { return steadySeconds() - start; };
     const double interval = meetingInterval(options_);
     const bool keepsStreams = !options_.checkpoint.file.empty();
-    double nextMeeting = watch.seconds() + interval;
+    double nextMeeting = seconds() + interval;
     bool working = true, stopped = false;
     SessionResult result;
     while (true) {
         stopped = stopped || interrupted();
-        const bool inTime = !(options_.limits.seconds > 0) || watch.seconds() < options_.limits.seconds;
+        const bool inTime = !(options_.limits.seconds > 0) || seconds() < options_.limits.seconds;
         working = working && !stopped && inTime && integrator_.advance();
         if (working) {
             integrator_.renderPass(film_);
             if (team.rank() == 0)
-                progress.update({film_.passes(), watch.seconds(), kInfinity, -1}, 0,
-                                integrator_.progressNote());
-            if (watch.seconds() < nextMeeting) continue;
+                progress.update({film_.passes(), seconds(), kInfinity, -1}, 0, integrator_.progressNote());
+            if (seconds() < nextMeeting) continue;
         }
         std::vector<StreamState> own;
         if (keepsStreams && team.rank() > 0) own = integrator_.states(true);
         const TeamResult all = team.meet({film_, std::move(own), rays(), working, stopped});
-        nextMeeting = watch.seconds() + interval;
+        nextMeeting = seconds() + interval;
         stopped = all.interrupted;
         result.reason = stopped                                ? StopReason::Interrupted
                         : options_.limits.passes > 0 && inTime ? StopReason::Passes
                                                                : StopReason::Time;
-        if (team.rank() == 0) report(all, watch.seconds(), result, progress);
+        if (team.rank() == 0) report(all, seconds(), result, progress);
         if (!all.working) return result;
     }
 }

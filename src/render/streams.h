@@ -14,7 +14,6 @@ namespace metrolux {
 /// Pass p of a rendering belongs to stream p mod `count`. Of these, a process may render `first` ... `last`.
 struct StreamChoice {
     uint32_t count = 1, first = 0, last = 0;
-    bool all() const { return first == 0 && last + 1 == count; }
 };
 
 /// Seed of a stream; a single one has the rendering's own.

@@ -109,10 +109,7 @@ class MpiTeam final : public Team {
                    MPI_COMM_WORLD);
         const uint32_t passes = film.passes();
         MPI_Reduce(&passes, &result.passes, 1, MPI_UINT32_T, MPI_SUM, 0, MPI_COMM_WORLD);
-        std::vector<uint64_t> counts;
-        for (int i = 0; i < static_cast<int>(Technique::Count); ++i)
-            counts.push_back(film.nonFinite(static_cast<Technique>(i)));
-        result.nonFinite.resize(counts.size());
+        const TechniqueCounts counts = film.nonFinite();
         MPI_Reduce(counts.data(), result.nonFinite.data(), static_cast<int>(counts.size()), MPI_UINT64_T,
                    MPI_SUM, 0, MPI_COMM_WORLD);
     }

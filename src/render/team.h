@@ -14,7 +14,7 @@ namespace metrolux {
 /// What the processes have rendered, summed; complete on rank 0, elsewhere only the flags are set.
 struct TeamResult {
     std::vector<PixelSum> sums;
-    std::vector<uint64_t> nonFinite;   ///< of each Technique
+    TechniqueCounts nonFinite{};
     std::vector<StreamState> streams;  ///< of the other ranks, if they were asked for
     RayStatistics rays;
     uint32_t passes = 0;

@@ -1,18 +1,17 @@
 #include "study/machine.h"
 
+#include "base/memory_budget.h"
 #include "geometry/intersector.h"
 #include "study/build_description.h"
 
 #include <fmt/chrono.h>
 #include <tbb/version.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
 #include <sys/utsname.h>
 #include <thread>
-#include <unistd.h>
 
 namespace metrolux::study {
 namespace {
@@ -48,13 +47,11 @@ double loadAverage() {
 }  // namespace
 
 nlohmann::json describeMachine(int threads) {
-    const auto pages = static_cast<uint64_t>(std::max(0L, ::sysconf(_SC_PHYS_PAGES)));
-    const auto pageSize = static_cast<uint64_t>(std::max(0L, ::sysconf(_SC_PAGE_SIZE)));
     return {
         {"processor", processorName()},
         {"cores", std::thread::hardware_concurrency()},
         {"threads", threads},
-        {"memory_bytes", pages * pageSize},
+        {"memory_bytes", physicalMemoryBytes()},
         {"system", systemName()},
         {"compiler", kCompiler},
         {"tbb", TBB_runtime_version()},

@@ -1,5 +1,7 @@
 #include "study/speed.h"
 
+#include "base/clock.h"
+#include "base/memory_budget.h"
 #include "base/parallel.h"
 #include "integrators/iteration.h"
 #include "render/threads.h"
@@ -7,11 +9,8 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
-#include <ctime>
 #include <map>
 #include <numbers>
-#include <sys/resource.h>
 
 namespace metrolux::study {
 namespace {
@@ -21,19 +20,11 @@ struct Lap {
     double wall = 0, cpu = 0;
 };
 
-double processSeconds() {
-    timespec t{};
-    ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-    return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
-}
-
 template <class Body>
 Lap measure(Body&& body) {
-    const auto start = std::chrono::steady_clock::now();
-    const double cpu = processSeconds();
+    const double wall = steadySeconds(), cpu = processorSeconds();
     body();
-    return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(),
-            processSeconds() - cpu};
+    return {steadySeconds() - wall, processorSeconds() - cpu};
 }
 
 double median(std::vector<double> values) {
@@ -53,10 +44,6 @@ std::vector<double> ratios(const std::vector<Lap>& a, const std::vector<Lap>& b,
     std::vector<double> result;
     for (size_t i = 0; i < a.size(); ++i) result.push_back(a[i].*member / b[i].*member);
     return result;
-}
-
-Film makeFilm(const Scene& scene) {
-    return {scene.camera().window(), ReconstructionFilter(scene.parts().filterKind, scene.parts().filter)};
 }
 
 /// An integrator with a film of its own. Two of them do the same work in the same pass.
@@ -131,12 +118,6 @@ struct Way {
 };
 
 }  // namespace
-
-uint64_t peakMemoryBytes() {
-    rusage usage{};
-    ::getrusage(RUSAGE_SELF, &usage);
-    return uint64_t{1024} * static_cast<uint64_t>(usage.ru_maxrss);
-}
 
 nlohmann::json measurePasses(const Scene& scene, const SpeedOptions& o) {
     std::vector<std::unique_ptr<Way>> ways;

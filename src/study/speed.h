@@ -26,9 +26,6 @@ nlohmann::json measurePasses(const Scene& scene, const SpeedOptions& options);
 /// of eye and of light subpaths with and without each of them.
 nlohmann::json measureTechniques(const Scene& scene, const SpeedOptions& options);
 
-/// Largest resident memory of the process so far.
-uint64_t peakMemoryBytes();
-
 /// Both as a table for people.
 std::string speedTable(const nlohmann::json& passes, const nlohmann::json& techniques);
 

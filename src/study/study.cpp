@@ -1,5 +1,6 @@
 #include "study/study.h"
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "geometry/intersector.h"
 #include "render/session.h"
@@ -7,7 +8,7 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
-#include <time.h>
+#include <numeric>
 
 namespace metrolux::study {
 namespace {
@@ -28,12 +29,7 @@ class Stopwatch {
     }
 
   private:
-    double now() const {
-        timespec t{};
-        const bool wall = clock_ == Clock::Wall;
-        clock_gettime(wall ? CLOCK_MONOTONIC : CLOCK_PROCESS_CPUTIME_ID, &t);
-        return (double(t.tv_sec) + 1e-9 * double(t.tv_nsec)) / (wall ? 1 : threads_);
-    }
+    double now() const { return clock_ == Clock::Wall ? steadySeconds() : processorSeconds() / threads_; }
 
     Clock clock_;
     int threads_;
@@ -48,24 +44,9 @@ IntegratorOptions optionsFor(const Scene& scene, const Entrant& entrant, uint64_
     return options;
 }
 
-std::string integratorName(const Scene& scene, const Entrant& entrant) {
-    return entrant.integrator == "scene" ? integratorForScene(scene.parts().integrator) : entrant.integrator;
-}
-
-Film makeFilm(const Scene& scene) {
-    return {scene.camera().window(), ReconstructionFilter(scene.parts().filterKind, scene.parts().filter)};
-}
-
 ImageData imageOf(const Film& film) {
     if (film.passes() == 0) return {};
     return {film.width(), film.height(), 3, film.image()};
-}
-
-uint64_t nonFiniteOf(const Film& film) {
-    uint64_t count = 0;
-    for (int i = 0; i < static_cast<int>(Technique::Count); ++i)
-        count += film.nonFinite(static_cast<Technique>(i));
-    return count;
 }
 
 /// Renders with one seed. The construction of the integrator counts as rendering: some sample there.
@@ -78,7 +59,7 @@ Run render(const Scene& scene, const Entrant& entrant, uint64_t seed, RenderLimi
     Film film = makeFilm(scene);
     ProgressReporter progress(surroundings.progress);
     const auto integrator =
-        makeIntegrator(integratorName(scene, entrant), scene, optionsFor(scene, entrant, seed));
+        makeIntegrator(integratorName(entrant.integrator, scene), scene, optionsFor(scene, entrant, seed));
     run.setupSeconds = watch.seconds();
     if (limits.seconds > 0) limits.seconds = std::max(limits.seconds - run.setupSeconds, 1e-9);
     Intersector::resetStatistics();
@@ -98,7 +79,8 @@ Run render(const Scene& scene, const Entrant& entrant, uint64_t seed, RenderLimi
     run.reason = renderPasses(*integrator, film, limits, hooks);
     progress.finish();
     run.image = imageOf(film);
-    run.nonFinite = nonFiniteOf(film);
+    const TechniqueCounts nonFinite = film.nonFinite();
+    run.nonFinite = std::accumulate(nonFinite.begin(), nonFinite.end(), uint64_t{0});
     run.statistics = integrator->statistics();
     return run;
 }

@@ -2,6 +2,7 @@
 /// hangs, values that are not finite in an image, memory that is lost. A child process renders; when it dies,
 /// the next one goes on after the scene that ended it. Meant for a build with sanitizers (`make soak`).
 
+#include "base/clock.h"
 #include "base/error.h"
 #include "base/rng.h"
 #include "integrators/integrator.h"
@@ -14,7 +15,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstring>
@@ -40,10 +40,6 @@ struct Settings {
     fs::path folder, report;
     int pipe = -1;  ///< of a child: where it reports
 };
-
-double secondsNow() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 uint64_t residentBytes() {
     uint64_t total = 0, resident = 0;
@@ -88,7 +84,7 @@ IntegratorOptions randomOptions(uint64_t seed, const Scene& scene) {
 void render(const Settings& settings, const Scene& scene, const std::string& integrator, uint64_t seed,
             const Reporter& reporter) {
     reporter.say({{"begin", integrator}});
-    Film film(scene.camera().window(), ReconstructionFilter(scene.parts().filterKind, scene.parts().filter));
+    Film film = makeFilm(scene);
     const auto integrates = makeIntegrator(integrator, scene, randomOptions(seed, scene));
     for (int i = 0; i < settings.passes; ++i) integrates->renderPass(film);
     nlohmann::json rejected = nlohmann::json::object();
@@ -122,10 +118,10 @@ void renderScene(const Settings& settings, uint64_t seed, const Reporter& report
 int runChild(const Settings& settings) {
     const Reporter reporter(settings.pipe);
     const uint64_t first = settings.seed;
-    const double end = secondsNow() + settings.seconds;
+    const double end = steadySeconds() + settings.seconds;
     ThreadLimit limit(settings.threads);
     limit.execute([&] {
-        for (uint64_t seed = first; secondsNow() < end && seed - settings.seed < settings.count; ++seed) {
+        for (uint64_t seed = first; steadySeconds() < end && seed - settings.seed < settings.count; ++seed) {
             reporter.say({{"scene", seed}});
             renderScene(settings, seed, reporter);
             reporter.say({{"done", seed}, {"resident_bytes", residentBytes()}});
@@ -143,10 +139,10 @@ class Supervisor {
 
     /// Whether nothing went wrong.
     bool run() {
-        const double start = secondsNow(), end = start + settings_.seconds;
+        const double start = steadySeconds(), end = start + settings_.seconds;
         next_ = settings_.seed;
-        while (secondsNow() < end && next_ - settings_.seed < settings_.count) runOne(end);
-        report(secondsNow() - start);
+        while (steadySeconds() < end && next_ - settings_.seed < settings_.count) runOne(end);
+        report(steadySeconds() - start);
         return problems_.empty();
     }
 
@@ -159,7 +155,7 @@ class Supervisor {
         if (child < 0) throw Error("no process: {}", std::strerror(errno));
         if (child == 0) {
             ::close(ends[0]);
-            becomeChild(end - secondsNow(), ends[1]);
+            becomeChild(end - steadySeconds(), ends[1]);
         }
         ::close(ends[1]);
         finished_ = false;

@@ -7,6 +7,8 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdio>
+#include <limits>
+#include <malloc.h>
 #include <new>
 #include <sstream>
 
@@ -92,11 +94,19 @@ int runCommandLine(int argc, char** argv) {
     return command->run();
 }
 
+/// Each pass stores as much as the one before: memory that goes back to the system in between is cleared and
+/// mapped page by page again, 2 to 3 % of the time of a pass.
+void keepFreedMemory() {
+    ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest that glibc takes
+    ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+}
+
 }  // namespace
 }  // namespace metrolux::app
 
 int main(int argc, char** argv) {
     using namespace metrolux::app;
+    keepFreedMemory();
     spdlog::set_default_logger(spdlog::stderr_color_mt("metrolux"));
     spdlog::set_pattern("%^[%l]%$ %v");
     try {

@@ -6,6 +6,8 @@
 #include "base/suggest.h"
 #include "image/atomic_file.h"
 
+#include <spdlog/spdlog.h>
+
 namespace metrolux::app {
 
 namespace fs = std::filesystem;
@@ -176,7 +178,8 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->check(CLI::Range(1.0, 1e6))
         ->group(group);
     app.add_option("--split", a.split,
-                   "mcmc_vcm, vpt, split_mcmc: parts of the replicas u/v/f in the samples (default: 1/1/1)")
+                   "mcmc_vcm, vpt, split_mcmc: parts of the replicas u/v/f in the samples (default: 1/1/1);\n"
+                   "`auto` (mcmc_vcm): by the noise that each replica makes")
         ->option_text("U/V/F")
         ->group(group);
     app.add_option(
@@ -239,8 +242,9 @@ std::array<double, 3> parseSplit(const std::string& text) {
     in >> parts[0] >> slash1 >> parts[1] >> slash2 >> parts[2];
     const bool positive = std::all_of(parts.begin(), parts.end(), [](double p) { return p > 0 && p <= 1e6; });
     if (!in || slash1 != '/' || slash2 != '/' || in.peek() != EOF || !positive)
-        throw Error("--split {}: expected three numbers above 0, such as 1/1/2 (--replicas leaves one out)",
-                    text);
+        throw Error(
+            "--split {}: expected `auto` or three numbers above 0, such as 1/1/2 (--replicas leaves one out)",
+            text);
     return parts;
 }
 
@@ -254,6 +258,36 @@ void checkIntegratorName(const std::string& name) {
                 nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
 }
 
+/// Options that only some integrators know, and who they are. Values that are the default's do no harm.
+void warnOfUnusedOptions(const RenderArguments& a) {
+    const IntegratorOptions& o = a.session.integratorOptions;
+    const IntegratorOptions unset;
+    const std::string chains = "mcmc_vcm vpt split_mcmc", metropolis = "pssmlt mmlt pssmlt_merge";
+    const struct {
+        const char* option;
+        bool given;
+        std::string integrators;
+    } uses[] = {
+        {"--radius", o.radius > 0, "vcm sppm pssmlt_merge " + chains},
+        {"--replicas", o.replicas.has_value(), chains},
+        {"--kernel", o.kernel.has_value(), chains + " " + metropolis},
+        {"--large-step", o.largeStep != unset.largeStep, metropolis},
+        {"--method", o.mergeMethod != unset.mergeMethod, "pssmlt_merge"},
+        {"--chain-inefficiency", o.chainInefficiency != unset.chainInefficiency, chains},
+        {"--split", !a.split.empty(), chains},
+        {"--target", o.target != unset.target, "mcmc_vcm"},
+        {"--normalisation", o.normalisation != unset.normalisation, "mcmc_vcm"},
+        {"--theta", o.pooledTheta, chains},
+        {"--no-correlation-aware", !o.correlationAware, "vcm mcmc_vcm split_mcmc"},
+        {"--lanes", o.lanes > 0, chains + " " + metropolis},
+    };
+    for (const auto& use : uses)
+        if (use.given &&
+            (" " + use.integrators + " ").find(" " + a.session.integrator + " ") == std::string::npos)
+            spdlog::warn("{} has no effect on {}: it is for {}", use.option, a.session.integrator,
+                         use.integrators);
+}
+
 }  // namespace
 
 void prepareAlgorithm(RenderArguments& a) {
@@ -264,11 +298,15 @@ void prepareAlgorithm(RenderArguments& a) {
         options.kernel =
             a.kernel == "adaptive" ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
     options.mergeMethod = a.method.front();
-    if (!a.split.empty()) options.split = parseSplit(a.split);
+    if (a.split == "auto")
+        options.measuredSplit = true;
+    else if (!a.split.empty())
+        options.split = parseSplit(a.split);
     if (a.target == "relative") options.target = ChainTarget::Relative;
     if (a.normalisation == "bennett") options.normalisation = NormalisationMethod::Bennett;
     options.pooledTheta = a.theta == "pooled";
     checkIntegratorName(a.session.integrator);
+    if (a.session.integrator != "scene") warnOfUnusedOptions(a);
 }
 
 void prepareOutputs(RenderArguments& a) {

@@ -33,7 +33,7 @@ class Shape {
     virtual ~Shape() = default;
 
     virtual float area() const = 0;
-    /// Uniform over the area.
+    /// Uniform over the area. On a mesh the shading frame is that of the geometric normal.
     virtual ShapeSample sampleArea(const Vec2f& u) const = 0;
     /// A point to be seen from `reference`; may prefer the visible part. `pdfArea` is the density per area of
     /// the result. Default: sampleArea.
@@ -109,6 +109,10 @@ class TriangleMesh final : public Shape {
     void interaction(uint32_t triangle, const Vec2f& barycentric, SurfaceInteraction& si) const;
 
   private:
+    struct Edges;
+    /// The part of interaction() that light sources need: all but the shading frame. Returns the edges from
+    /// the first vertex.
+    Edges place(uint32_t triangle, const Vec2f& barycentric, SurfaceInteraction& si) const;
     /// Unit normal of the triangle with these vertices; `scaled`: cross product of its edges.
     Vec3f geometricNormal(const uint32_t* vertices, const Imath::V3d& scaled) const;
 

@@ -100,7 +100,12 @@ void TriangleMesh::computeVertexNormals() {
     for (size_t i = 0; i < sums.size(); ++i) normals[i] = toFloat(sums[i].normalized());
 }
 
-void TriangleMesh::interaction(uint32_t triangle, const Vec2f& barycentric, SurfaceInteraction& si) const {
+struct TriangleMesh::Edges {
+    Vec3d first, second;
+};
+
+TriangleMesh::Edges TriangleMesh::place(uint32_t triangle, const Vec2f& barycentric,
+                                        SurfaceInteraction& si) const {
     const uint32_t* v = &indices[3 * size_t(triangle)];
     const Vec3f &p0 = positions[v[0]], &p1 = positions[v[1]], &p2 = positions[v[2]];
     const Vec3d e1 = toDouble(p1) - toDouble(p0), e2 = toDouble(p2) - toDouble(p0);
@@ -112,8 +117,14 @@ void TriangleMesh::interaction(uint32_t triangle, const Vec2f& barycentric, Surf
     si.primitive = triangle;
     si.barycentric = barycentric;
 
-    const Vec3d scaled = e1.cross(e2);
-    si.ng = geometricNormal(v, scaled);
+    si.ng = geometricNormal(v, e1.cross(e2));
+    si.uv = uvs.empty() ? barycentric : interpolate(uvs[v[0]], uvs[v[1]], uvs[v[2]], barycentric);
+    return {e1, e2};
+}
+
+void TriangleMesh::interaction(uint32_t triangle, const Vec2f& barycentric, SurfaceInteraction& si) const {
+    const auto [e1, e2] = place(triangle, barycentric, si);
+    const uint32_t* v = &indices[3 * size_t(triangle)];
     si.ns = si.ng;
     if (!normals.empty()) {
         const Vec3f n = interpolate(normals[v[0]], normals[v[1]], normals[v[2]], barycentric);
@@ -121,7 +132,6 @@ void TriangleMesh::interaction(uint32_t triangle, const Vec2f& barycentric, Surf
         if (norm > 1e-6f) si.ns = n / (flipNormals ? -norm : norm);
     }
 
-    si.uv = uvs.empty() ? barycentric : interpolate(uvs[v[0]], uvs[v[1]], uvs[v[2]], barycentric);
     const TextureAxes axes(*this, v);
     const Vec3f tangent = axes.exist ? toFloat(axes.derivativeByU(e1, e2)) : Frame::fromNormal(si.ng).s;
     si.s = Frame::fromNormalAndTangent(si.ns, tangent).s;
@@ -156,7 +166,9 @@ ShapeSample TriangleMesh::sampleArea(const Vec2f& u) const {
     const double below = triangle > 0 ? areaCdf_[triangle - 1] : 0.0;
     const float rest = static_cast<float>((target - below) / (areaCdf_[triangle] - below));
     const Vec2f inTriangle(std::clamp(rest, 0.0f, kOneMinusEpsilon), u.y);
-    interaction(static_cast<uint32_t>(triangle), warp::squareToTriangle(inTriangle), result.si);
+    place(static_cast<uint32_t>(triangle), warp::squareToTriangle(inTriangle), result.si);
+    result.si.ns = result.si.ng;
+    result.si.s = Frame::fromNormal(result.si.ng).s;
     result.pdfArea = 1.0f / totalArea_;
     return result;
 }

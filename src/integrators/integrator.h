@@ -37,6 +37,7 @@ struct IntegratorOptions {
     char mergeMethod = 'B';                ///< pssmlt_merge: method of the supplement's 4.1.1, 'B' or 'A'
     int lanes = 0;                         ///< chains: number of independent lanes; 0: default
     std::array<double, 3> split{1, 1, 1};  ///< mcmc_vcm, vpt, split_mcmc: n_U : n_V : n_F
+    bool measuredSplit = false;            ///< mcmc_vcm: the split follows the noise that each replica makes
     ChainTarget target = ChainTarget::Luminance;                      ///< mcmc_vcm
     NormalisationMethod normalisation = NormalisationMethod::Pooled;  ///< mcmc_vcm: of F
     bool pooledTheta = false;  ///< mcmc_vcm, vpt, split_mcmc: lanes share the adaptive kernel's theta

@@ -15,12 +15,14 @@ struct LightModel {
     double filmShare;
     PhotonDensity* photons;
     std::vector<std::vector<Vec3f>>* trails;  ///< of each lane, may be null
+    const PixelImportance* importance;        ///< may be null
 
     void startUniform(PrimarySample&, CounterRng&, size_t, size_t) const {}
     void evaluateUniform(SampleStream& u, LightContribution& c) const { evaluate(u, c, photons); }
     void evaluate(SampleStream& u, LightContribution& c, PhotonDensity* counted = nullptr) const {
         pass.evaluate(u, c.splats, counted, trails ? &c.trail : nullptr);
         c.size = pass.size(c.splats);
+        c.squares = importance ? importance->squares(c.splats) : c.size * c.size;
     }
     void pay(size_t lane, const LightContribution& c, double weight) const {
         film.addSplats(c.splats, weight, weight * filmShare);
@@ -50,6 +52,9 @@ ReplicaSettings replicaSettings(const IntegratorOptions& options, const std::str
     s.visibility = has('v');
     s.contribution = has('f');
     s.split = options.split;
+    s.measuredSplit = options.measuredSplit;
+    if (s.measuredSplit && !s.contribution)
+        throw Error("split: `auto` weighs the replicas of mcmc_vcm against each other, replica f among them");
     s.normalisation = options.normalisation;
     s.pooledTheta = options.pooledTheta;
     return s;
@@ -72,7 +77,8 @@ void LightChains::run(const LightPass& pass, Film& film, const Iteration& iterat
         plainRun(pass, film, iteration, photons);
         return;
     }
-    LightModel model{pass, film, iteration.filmShare, photons, keepTrails ? &trails_ : nullptr};
+    LightModel model{
+        pass, film, iteration.filmShare, photons, keepTrails ? &trails_ : nullptr, iteration.importance};
     lanes_.run(model, mix_, iteration.pass, iteration.first);
     if (photons && mix_.uniform > 0) photons->endIteration(mix_.uniform);
     lanes_.endIteration(squaredRadius_);
@@ -161,7 +167,9 @@ nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaC
 }
 
 nlohmann::json LightChains::statistics() const {
-    return replicaStatistics(lanes_.settings(), lanes_.counts(), lanes_.normalisation());
+    nlohmann::json j = replicaStatistics(lanes_.settings(), lanes_.counts(), lanes_.normalisation());
+    j["split"] = lanes_.split();
+    return j;
 }
 
 std::string LightChains::progressNote() const {

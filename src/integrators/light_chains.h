@@ -16,6 +16,7 @@ struct LightContribution {
     SplatList splats;
     std::vector<Vec3f> trail;  ///< its smooth vertices, if LightChains::keepTrails
     double size = 0;           ///< F(u)
+    double squares = 0;        ///< of its splats, relative to the image where that is known
     bool visible() const { return size > 0; }
 };
 
@@ -38,6 +39,7 @@ class LightChains {
         uint32_t pass = 0;
         size_t first = 0, count = 0;
         double filmShare = 1;
+        const PixelImportance* importance = nullptr;  ///< of noise, for the measured split
     };
 
     LightChains(const ReplicaSettings& settings, const PathLimits& limits)

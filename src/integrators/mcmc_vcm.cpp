@@ -38,12 +38,12 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
                                                                                           eyes_);
         grid_.build(eyes_.all(), static_cast<float>(r));
         LightPass light{scene_, options_.limits, strategies, eyes_, grid_, film};
-        if (options_.target == ChainTarget::Relative) {
-            if (first == 0) importance_.update(film);
-            light.importance = &importance_;
-        }
-        chains_.run(light, film, {film.passIndex(), first, pixels.size(), n / film.pixelCount()},
-                    photons_.get());
+        const bool relative = options_.target == ChainTarget::Relative;
+        if (first == 0 && (relative || options_.measuredSplit)) importance_.update(film);
+        if (relative) light.importance = &importance_;
+        LightChains::Iteration iteration{film.passIndex(), first, pixels.size(), n / film.pixelCount()};
+        if (options_.measuredSplit) iteration.importance = &importance_;
+        chains_.run(light, film, iteration, photons_.get());
     }
 
     LightChains chains_;

@@ -7,6 +7,7 @@
 #include "markov/chain.h"
 #include "markov/normalisation.h"
 #include "markov/replica_mixture.h"
+#include "markov/split_estimator.h"
 #include "sampling/streams.h"
 
 #include <array>
@@ -22,6 +23,7 @@ struct ReplicaSettings {
     bool uniform = true, visibility = true, contribution = true;  ///< replicas that take part
     /// n_U : n_V : n_F, positive; those of replicas that do not take part are ignored.
     std::array<double, 3> split{1, 1, 1};
+    bool measuredSplit = false;  ///< SplitEstimator goes on from `split`
     NormalisationMethod normalisation = NormalisationMethod::Pooled;
     bool pooledTheta = false;  ///< lanes share theta of the adaptive kernel after each iteration
     /// The same with 0 for those that do not take part.
@@ -44,7 +46,8 @@ struct ReplicaCounts {
 };
 
 /// A fixed number of lanes, each with its own chains, adaptation and random numbers, that live across
-/// iterations. `Value` has `double size` (F) and `bool visible() const`. A `Model` joins them with transport:
+/// iterations. `Value` has `double size` (F), `bool visible() const`, and may have `double squares`, the
+/// noise that it brings, for the measured split (F^2 without). A `Model` joins them with transport:
 ///
 ///     void startUniform(PrimarySample& u, CounterRng&, size_t lane, size_t step)  // coordinates to begin
 ///     with void evaluateUniform(SampleStream&, Value&), evaluate(SampleStream&, Value&) void pay(size_t
@@ -57,7 +60,7 @@ class ReplicaLanes {
     using State = MarkovState<Value>;
 
     explicit ReplicaLanes(const ReplicaSettings& settings)
-        : settings_(settings), normalisation_(settings.normalisation) {
+        : settings_(settings), normalisation_(settings.normalisation), split_(settings.splitInUse()) {
         for (int i = 0; i < settings.lanes; ++i) {
             lanes_.emplace_back(settings.seed, i, settings.kernel);
             lanes_.back().samples = normalisation_.newSamples();
@@ -76,18 +79,21 @@ class ReplicaLanes {
         mix.bVisibility = normalisation_.visibility();
         mix.bContribution = normalisation_.contribution();
         mix.inefficiency = settings_.inefficiency;
-        const std::array<double, 3> split = chains ? settings_.splitInUse() : std::array<double, 3>{1, 0, 0};
+        const std::array<double, 3> parts = chains ? split() : std::array<double, 3>{1, 0, 0};
         const auto count = [&](double part) {  // the same number in every lane
             if (!(part > 0)) return 0.0;
             const double lanes = double(lanes_.size()),
-                         n = std::floor(part * double(samples) / (split[0] + split[1] + split[2]));
+                         n = std::floor(part * double(samples) / (parts[0] + parts[1] + parts[2]));
             return std::max(1.0, std::ceil(n / lanes)) * lanes;
         };
-        mix.uniform = count(split[0]);
-        mix.visibility = count(split[1]);
-        mix.contribution = count(split[2]);
+        mix.uniform = count(parts[0]);
+        mix.visibility = count(parts[1]);
+        mix.contribution = count(parts[2]);
         return mix;
     }
+
+    /// Parts of the replicas in the next iteration's samples.
+    const std::array<double, 3>& split() const { return split_.split(); }
 
     /// Samples of an iteration that were taken elsewhere, uniform ones of these sizes. Shared out among the
     /// lanes, so that the jackknife over lanes covers them.
@@ -110,7 +116,11 @@ class ReplicaLanes {
         // Decided by what is expected, not by what is found: a choice by the samples themselves would bias
         // them.
         const bool pooled = mix.uniform * mix.bVisibility >= kSmallestPool;
-        for (Lane& lane : lanes_) lane.early.clear();
+        sawChains_ = true;
+        for (Lane& lane : lanes_) {
+            lane.early.clear();
+            lane.squares = {};
+        }
         const size_t early = pooled ? takeEarlySamples(model, mix) : 0;
         if (pooled)
             startChains(model, pass, first, double(early * lanes_.size()), mix);
@@ -127,13 +137,18 @@ class ReplicaLanes {
         }
         normalisation_.endIteration(squaredRadius);
         if (settings_.pooledTheta) shareTheta();
+        if (settings_.measuredSplit && sawChains_) {
+            for (Lane& lane : lanes_) split_.add(lane.squares);
+            split_.endIteration(settings_.inefficiency);
+        }
+        sawChains_ = false;
     }
 
     /// Between two iterations, when all weights have been paid. Values are evaluated again by run().
     template <class Archive>
     void serialize(Archive& archive) {
         serializeElements(archive, lanes_, "lanes");
-        archive(normalisation_);
+        archive(normalisation_, split_);
     }
 
     ReplicaCounts counts() const {
@@ -183,6 +198,7 @@ class ReplicaLanes {
         size_t uniformSamples = 0;  ///< of the iteration, so far
         uint64_t swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
         Normalisation::Samples samples;
+        SplitEstimator::Squares squares;
 
         template <class Archive>
         void serialize(Archive& archive) {
@@ -190,6 +206,14 @@ class ReplicaLanes {
             serializeSample(archive, lastVisible);
         }
     };
+
+    /// The square of what a value contributes with its weight in the mixture.
+    static double square(const Value& value, const ReplicaMixture& mix) {
+        double squares = value.size * value.size;
+        if constexpr (requires { value.squares; }) squares = value.squares;
+        const double weight = mix.uniformWeight(value.size);
+        return weight * weight * squares;
+    }
 
     void shareTheta() {
         std::vector<MutationKernel*> visibility, contribution;
@@ -228,6 +252,7 @@ class ReplicaLanes {
             lane.lastVisible = u.u;
         } else {
             u.weight = mix.invisibleWeight;
+            lane.squares.add(SplitEstimator::Uniform, 0);
             payOut(model, index, u);
         }
     }
@@ -336,6 +361,7 @@ class ReplicaLanes {
         }
         if (!u.value.visible()) return false;
         u.weight = mix.uniformWeight(u.value.size);
+        lane.squares.add(SplitEstimator::Uniform, square(u.value, mix));
         if (!exchange) {
             payOut(model, index, u);
             return false;
@@ -358,6 +384,7 @@ class ReplicaLanes {
         }
         State& v = lane.visibility.state();
         v.weight += mix.visibilityWeight(v.value.size);
+        lane.squares.add(SplitEstimator::Visibility, square(v.value, mix));
         if (v.value.visible()) lane.samples.addVisibility(v.value.size);
     }
 
@@ -370,6 +397,8 @@ class ReplicaLanes {
         const double a = chain.propose(evaluate, lane.proposal, lane.rng);
         lane.proposal.weight = a * mix.contributionWeight(lane.proposal.value.size);
         chain.state().weight += (1.0 - a) * mix.contributionWeight(chain.state().value.size);
+        lane.squares.add(SplitEstimator::Contribution,
+                         a * square(lane.proposal.value, mix) + (1.0 - a) * square(chain.state().value, mix));
         chain.decide(a, lane.proposal, lane.rng);
         payOut(model, index, lane.proposal);  // the one of the two that the chain has left
         lane.samples.addContribution(chain.state().value.size);
@@ -405,6 +434,8 @@ class ReplicaLanes {
     ReplicaSettings settings_;
     std::vector<Lane> lanes_;
     Normalisation normalisation_;
+    SplitEstimator split_;
+    bool sawChains_ = false;  ///< in this iteration
 };
 
 }  // namespace metrolux

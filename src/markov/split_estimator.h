@@ -39,8 +39,8 @@ class SplitEstimator {
             batch_.samples[k] += squares.samples[k];
         }
     }
-    /// `inefficiency`: that of the chains, whose n'_k are n_k over it. Batches double, so that the split comes
-    /// to rest.
+    /// `inefficiency`: that of the chains, whose n'_k are n_k over it. Batches double, so that the split
+    /// comes to rest.
     void endIteration(double inefficiency) {
         if (++iterations_ < batchLength_) return;
         update(inefficiency);
@@ -51,7 +51,10 @@ class SplitEstimator {
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(split_, batch_.sums, batch_.samples, iterations_, batchLength_);
+        serializeElements(archive, split_, "replicas");
+        serializeElements(archive, batch_.sums, "replicas");
+        serializeElements(archive, batch_.samples, "replicas");
+        archive(iterations_, batchLength_);
     }
 
   private:

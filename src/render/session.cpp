@@ -95,7 +95,7 @@ nlohmann::json RenderSession::identity() const {
         {"chain_inefficiency", o.chainInefficiency},
         {"correlation_aware", o.correlationAware},
         {"method", std::string(1, o.mergeMethod)},
-        {"split", o.split},
+        {"split", o.measuredSplit ? nlohmann::json("auto") : nlohmann::json(o.split)},
         {"target", o.target == ChainTarget::Relative ? "relative" : "luminance"},
         {"normalisation", o.normalisation == NormalisationMethod::Bennett ? "bennett" : "pooled"},
         {"theta", o.pooledTheta ? "pooled" : "lane"},

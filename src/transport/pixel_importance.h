@@ -17,11 +17,17 @@ class PixelImportance {
 
     /// Sum over the splats of luminance times importance: F(u) of ALGORITHM.md section 3 with this target.
     double size(const SplatList& splats) const;
+    /// Sum of the squares of the same: the noise that they bring in relative terms.
+    double squares(const SplatList& splats) const;
 
   private:
     static constexpr int kReach = 2;
     /// A pixel is not worth more than one of this share of the image's mean luminance.
     static constexpr double kDarkest = 0.1;
+
+    /// Adds up what `of` makes of each splat's luminance times importance.
+    template <class Of>
+    double sum(const SplatList& splats, Of&& of) const;
 
     FilmWindow window_;
     std::vector<float> values_;

@@ -41,6 +41,7 @@ struct Case {
     std::array<double, 3> split{1, 1, 1};
     NormalisationMethod normalisation = NormalisationMethod::Pooled;
     bool pooledTheta = false;
+    bool measuredSplit = false;
 };
 
 /// Mean over iterations of one seed.
@@ -58,6 +59,7 @@ double estimate(const Case& c, uint64_t seed) {
     s.split = c.split;
     s.normalisation = c.normalisation;
     s.pooledTheta = c.pooledTheta;
+    s.measuredSplit = c.measuredSplit;
     ReplicaLanes<ToyValue> lanes(s);
     ToyModel model{c.visibleShare, std::vector<double>(8, 0.0), c.invisible};
     for (int i = 0; i < kIterations; ++i) {
@@ -89,6 +91,8 @@ TEST(ReplicaLanes, WeightedSumsAreTheIntegral) {
         {true, true, false, 0.3, 2, {1, 3, 1}},
         {true, true, true, 0.3, 0, {1, 1, 1}, NormalisationMethod::Bennett},
         {true, true, true, 0.3, 0, {1, 1, 1}, NormalisationMethod::Pooled, true},
+        {true, true, true, 0.3, 0, {1, 1, 1}, NormalisationMethod::Pooled, false, true},
+        {true, true, false, 0.3, 2, {1, 1, 1}, NormalisationMethod::Pooled, false, true},
     };
     for (size_t k = 0; k < cases.size(); ++k) {
         const Case& c = cases[k];

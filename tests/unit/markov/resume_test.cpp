@@ -123,6 +123,7 @@ TEST_P(Resume, ReplicaLanes) {
         settings.kernel = GetParam();
         settings.lanes = samples == 3 ? 1 : 4;
         settings.inefficiency = 3;
+        settings.measuredSplit = samples == 600;
         expectResumes([&] { return std::make_unique<ReplicaLanes<Value>>(settings); },
                       [&](ReplicaLanes<Value>& lanes, int part, Trace& trace) {
                           for (int i = 0; i < 30; ++i) {

@@ -17,18 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-using Words = std::vector<std::string>;
-
-Words operator+(Words a, const Words& b) {
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
 
 class StreamsTest : public CliTest {
   protected:
-    std::vector<float> pixels(const std::string& image) const {
-        return readImage(folder / image, false).pixels;
-    }
     /// 22 passes in 8 streams: some have one more than others.
     static Words words(const std::string& integrator) {
         return {"render",   "scene.xml", "-i",        integrator, "--resolution", "24x18",
@@ -37,7 +28,7 @@ class StreamsTest : public CliTest {
     Outcome part(const std::string& integrator, const std::string& streams, const std::string& name) const {
         return run(words(integrator) + Words{"--only-streams", streams, "--checkpoint", name});
     }
-    static bool haveMpi() { return std::system("command -v mpirun > /dev/null") == 0; }
+    static bool haveMpi() { return METROLUX_TEST_MPI && std::system("command -v mpirun > /dev/null") == 0; }
     static Words mpirun(int ranks) {
         return {"mpirun", "--allow-run-as-root", "--oversubscribe", "-n", std::to_string(ranks)};
     }

@@ -140,7 +140,7 @@ TEST_F(StreamsTest, StreamsAreResumedAndTakeTurnsUnderATimeLimit) {
 }
 
 TEST_F(StreamsTest, RanksOfMpiMakeTheSameImage) {
-    if (!haveMpi()) GTEST_SKIP() << "mpirun is not there";
+    if (!haveMpi()) GTEST_SKIP() << "built without MPI, or mpirun is not there";
     for (const char* integrator : {"path", "vcm", "mcmc_vcm"}) {
         ASSERT_EQ(run(words(integrator) + Words{"-o", "one.exr"}).status, 0);
         for (int ranks = 1; ranks <= 3; ++ranks) {
@@ -154,7 +154,7 @@ TEST_F(StreamsTest, RanksOfMpiMakeTheSameImage) {
 }
 
 TEST_F(StreamsTest, ARankThatDiesEndsTheJobAndAnotherNumberOfRanksGoesOn) {
-    if (!haveMpi()) GTEST_SKIP() << "mpirun is not there";
+    if (!haveMpi()) GTEST_SKIP() << "built without MPI, or mpirun is not there";
     const Words longer{"render",   "scene.xml", "-i",        "mcmc_vcm", "--resolution", "24x18",
                        "--passes", "600",       "--streams", "8",        "--threads",    "1"};
     ASSERT_EQ(run(longer + Words{"-o", "whole.exr"}).status, 0);
@@ -176,8 +176,21 @@ TEST_F(StreamsTest, ARankThatDiesEndsTheJobAndAnotherNumberOfRanksGoesOn) {
     EXPECT_EQ(pixels("a.exr"), pixels("whole.exr"));
 }
 
+TEST_F(StreamsTest, AProgramWithoutMpiSaysSoUnderALauncher) {
+    if (METROLUX_TEST_MPI) GTEST_SKIP() << "built with MPI; -DMETROLUX_MPI=OFF builds without";
+    for (const char* variable : {"OMPI_COMM_WORLD_SIZE=2", "PMI_SIZE=2"}) {
+        const Outcome outcome =
+            Command(folder, words("path") + Words{"-o", "a.exr"}, {"env", variable}).wait();
+        EXPECT_EQ(outcome.status, 2) << variable;
+        EXPECT_THAT(outcome.err, HasSubstr("one of 2 processes of MPI, but this program was built without"));
+        EXPECT_FALSE(fs::exists(folder / "a.exr"));
+    }
+    // Streams of one process need none.
+    EXPECT_EQ(run(words("path") + Words{"-o", "a.exr"}).status, 0);
+}
+
 TEST_F(StreamsTest, RanksNeedStreams) {
-    if (!haveMpi()) GTEST_SKIP() << "mpirun is not there";
+    if (!haveMpi()) GTEST_SKIP() << "built without MPI, or mpirun is not there";
     const Outcome outcome = runRanks(2, {"render", "scene.xml", "--passes", "4"});
     EXPECT_EQ(outcome.status, 2) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("give --streams S"));

@@ -70,7 +70,7 @@ sanitize: debug-test thread-test
 
 # libFuzzer on each parser, FUZZ_SECONDS each (needs clang).
 FUZZ_SECONDS := 300
-FUZZ_TARGETS := obj ply serialized spectrum image scene
+FUZZ_TARGETS := obj ply serialized spectrum image scene checkpoint
 fuzz: setup
 	cmake --preset fuzz
 	cmake --build --preset fuzz --target $(FUZZ_TARGETS:%=fuzz_%)

@@ -21,4 +21,6 @@ find_package(nlohmann_json REQUIRED)
 find_package(Boost REQUIRED)
 find_package(cereal REQUIRED)
 # Optional: without it, --streams is for one process and for `metrolux merge`.
-find_package(MPI COMPONENTS C QUIET)
+if(METROLUX_MPI)
+  find_package(MPI COMPONENTS C QUIET)
+endif()

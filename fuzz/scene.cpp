@@ -24,7 +24,7 @@ const fuzz::Sandbox& sandbox() {
             "property list uchar int vertex_index\nend_header\n0 0 0 1\n1 0 0 2\n0 1 0 3\n3 0 1 2\n");
         folder.write("a.spd", "400 0.5\n700 0.8\n");
         folder.write("part.xml", "<scene version=\"3.0.0\"><bsdf type=\"diffuse\" id=\"included\"/></scene>");
-        writePngRaw(folder.path("a.png"), {2, 1, 3, {0, 0.5f, 1, 1, 0.5f, 0}});
+        writePngRaw(folder.path() / "a.png", {2, 1, 3, {0, 0.5f, 1, 1, 0.5f, 0}});
         return true;
     }();
     (void)filled;

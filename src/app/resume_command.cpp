@@ -58,7 +58,6 @@ RenderArguments argumentsOf(const Checkpoint& checkpoint, const ResumeArguments&
     parseCommand(checkpoint.command, result);
     result.session.checkpoint.command = checkpoint.command;
     result.outputs = a.overrides.outputs.empty() ? checkpoint.outputs : a.overrides.outputs;
-    if (checkpoint.memoryBytes > 0) result.memory = std::to_string(checkpoint.memoryBytes);
     result.threads = a.overrides.threads;
     result.quiet = a.overrides.quiet;
     RenderLimits limits = a.overrides.session.limits;

@@ -26,6 +26,16 @@ void serializeElements(Archive& archive, Container& elements, const char* what) 
     for (auto& element : elements) archive(element);
 }
 
+/// As many elements as there are, but no more than `most`. Throws Error before it makes more.
+template <class Archive, class Container>
+void serializeAtMost(Archive& archive, Container& elements, size_t most, const char* what) {
+    uint64_t size = elements.size();
+    archive(size);
+    if (size > most) throw Error("saved state: found {} {}, expected at most {}", size, what, most);
+    elements.resize(static_cast<size_t>(size));
+    for (auto& element : elements) archive(element);
+}
+
 /// Throws Error unless `valid`.
 inline void checkState(bool valid, const char* expected) {
     if (!valid) throw Error("saved state: expected {}", expected);

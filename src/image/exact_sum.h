@@ -12,9 +12,9 @@ template <int fractionBits>
 class ExactSum {
   public:
     /// A term; the sum of all must stay below 2^(127 - fractionBits).
-    void add(double term) { units_ += static_cast<Integer>(std::nearbyint(std::ldexp(term, fractionBits))); }
+    void add(double term) { addUnits(static_cast<Integer>(std::nearbyint(std::ldexp(term, fractionBits)))); }
     ExactSum& operator+=(const ExactSum& other) {
-        units_ += other.units_;
+        addUnits(other.units_);
         return *this;
     }
     double value() const { return std::ldexp(static_cast<double>(units_), -fractionBits); }
@@ -23,11 +23,16 @@ class ExactSum {
     void serialize(Archive& archive) {
         auto low = static_cast<uint64_t>(units_), high = static_cast<uint64_t>(units_ >> 64);
         archive(low, high);
-        units_ = (static_cast<Integer>(static_cast<int64_t>(high)) << 64) | static_cast<Integer>(low);
+        units_ = static_cast<Integer>(static_cast<Unsigned>(high) << 64 | low);
     }
 
   private:
     __extension__ using Integer = __int128;
+    __extension__ using Unsigned = unsigned __int128;
+    /// Wraps: no rendering comes near the limits, but a file that somebody made may hold any sum.
+    void addUnits(Integer term) {
+        units_ = static_cast<Integer>(static_cast<Unsigned>(units_) + static_cast<Unsigned>(term));
+    }
     Integer units_ = 0;
 };
 

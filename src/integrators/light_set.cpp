@@ -167,8 +167,7 @@ std::vector<std::vector<Vertex>> StateLightSet::traceStates(const LightTracing& 
             InterleavedStream light(u, PathPair::kLightStream, PathPair::kStreams);
             vertices.clear();
             tracing.trace(light, vertices);
-            for (const Vertex& v : vertices)
-                for (uint32_t step = 0; step < visited.steps; ++step) chainMade_.count(v.si.p);
+            for (const Vertex& v : vertices) chainMade_.count(v.si.p, visited.steps);
             append(result[i], vertices, visited.steps);
         }
     });

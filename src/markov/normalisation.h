@@ -127,8 +127,8 @@ class Normalisation {
     /// Between two iterations.
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(records_, iterations_, logRadius_, value_, visibleSizes_, contributionSizes_);
-        checkState(records_.size() <= kMostRecords, "fewer iterations");
+        serializeAtMost(archive, records_, kMostRecords, "iterations");
+        archive(iterations_, logRadius_, value_, visibleSizes_, contributionSizes_);
         checkState(value_.visibility > 0 && value_.contribution > 0, "positive normalisations");
     }
 

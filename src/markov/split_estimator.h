@@ -51,7 +51,11 @@ class SplitEstimator {
 
     template <class Archive>
     void serialize(Archive& archive) {
+        const std::array<double, 3> before = split_;
         serializeElements(archive, split_, "replicas");
+        for (size_t k = 0; k < 3; ++k)
+            checkState(std::isfinite(split_[k]) && split_[k] >= 0 && (split_[k] > 0) == (before[k] > 0),
+                       "a split among the same replicas");
         serializeElements(archive, batch_.sums, "replicas");
         serializeElements(archive, batch_.samples, "replicas");
         archive(iterations_, batchLength_);

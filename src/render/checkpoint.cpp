@@ -3,10 +3,11 @@
 #include "base/error.h"
 #include "base/state_archive.h"
 #include "image/atomic_file.h"
+#include "image/exact_sum.h"
 
 #include <nlohmann/json.hpp>
 
-#include <array>
+#include <cmath>
 #include <fstream>
 #include <zlib.h>
 
@@ -17,7 +18,7 @@ namespace fs = std::filesystem;
 
 /// What the file begins with; a number for each change of the format, in the machine's order of bytes.
 constexpr std::string_view kMagic = "Metrolux";
-constexpr uint32_t kFormat = 1, kForeignFormat = 0x01000000;
+constexpr uint32_t kFormat = 2, kForeignFormat = __builtin_bswap32(kFormat);
 /// Magic, format, checksum of the payload, size of the payload.
 constexpr size_t kHeaderBytes = 8 + 4 + 4 + 8;
 
@@ -40,13 +41,6 @@ std::string readBytes(const fs::path& file) {
     stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     if (!stream) throw Error("checkpoint '{}': cannot be read", file.string());
     return bytes;
-}
-
-std::string header(std::string_view payload) {
-    StateWriter writer;
-    writer.write(kMagic.data(), kMagic.size());
-    writer(kFormat, checksum(payload), uint64_t{payload.size()});
-    return writer.take();
 }
 
 /// The payload, after all checks that need no version.
@@ -73,6 +67,46 @@ std::string_view checkedPayload(std::string_view bytes, const std::string& name)
     return payload;
 }
 
+/// The checksum is that of a file which somebody may have made: contents are checked too.
+void checkIdentity(const std::string& text) {
+    // Parsing keeps a stack, but comparing and writing recurse.
+    constexpr int kLevels = 8;
+    const auto shallow = [](int depth, nlohmann::json::parse_event_t, nlohmann::json&) {
+        checkState(depth <= kLevels, "an identity of fewer levels");
+        return true;
+    };
+    const nlohmann::json identity = nlohmann::json::parse(text, shallow, false);
+    checkState(!identity.is_discarded(), "an identity in JSON");
+    const auto find = [&](const char* path) {
+        const nlohmann::json::json_pointer pointer(path);
+        return identity.contains(pointer) ? identity.at(pointer) : nlohmann::json();
+    };
+    checkState(find("/scene/name").is_string(), "the scene's name");
+    checkState(find("/algorithm/integrator").is_string(), "the integrator's name");
+    checkState(find("/algorithm/seed").is_number_integer(), "a seed");
+    const nlohmann::json streams = find("/streams");
+    checkState(streams.is_number_unsigned() && streams >= 1u && streams <= kMostStreams,
+               "a number of streams");
+}
+
+/// The window lies in the image, and its film has the bytes for it, before memory is taken for it.
+void checkWindow(const FilmWindow& w, size_t filmBytes) {
+    const auto inside = [](int begin, int size, int full) {
+        return begin >= 0 && size > 0 && size <= full && begin <= full - size;
+    };
+    checkState(inside(w.x, w.width, w.fullWidth) && inside(w.y, w.height, w.fullHeight),
+               "a window inside of the image");
+    checkState(uint64_t(w.width) * uint64_t(w.height) <= filmBytes / sizeof(PixelSum),
+               "the sums of all pixels");
+}
+
+void checkContents(const Checkpoint& c) {
+    checkIdentity(c.identity);
+    checkWindow(c.window, c.film.size());
+    for (const double x : {c.seconds, c.limits.seconds, c.limits.relativeError, c.rays.secondsInEmbree})
+        checkState(std::isfinite(x) && x >= 0, "times and limits that are finite");
+}
+
 std::string fileFingerprint(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     std::vector<char> block(size_t{1} << 20);
@@ -92,18 +126,25 @@ std::string fileFingerprint(const fs::path& file) {
 
 template <class Archive>
 void Checkpoint::serialize(Archive& archive) {
-    archive(command, folder, outputs, limits.seconds, limits.passes, limits.relativeError, memoryBytes,
-            identity, seconds, rays.intersectRays, rays.shadowRays, rays.secondsInEmbree);
+    archive(command, folder, outputs, limits.seconds, limits.passes, limits.relativeError, identity, seconds,
+            rays.intersectRays, rays.shadowRays, rays.secondsInEmbree);
     archive(window.fullWidth, window.fullHeight, window.x, window.y, window.width, window.height);
     archive(film, streams);
 }
 
 fs::path previousCheckpoint(const fs::path& file) { return file.string() + ".1"; }
 
+std::string checkpointHeader(std::string_view payload) {
+    StateWriter writer;
+    writer.write(kMagic.data(), kMagic.size());
+    writer(kFormat, checksum(payload), uint64_t{payload.size()});
+    return writer.take();
+}
+
 void writeCheckpoint(const fs::path& file, const Checkpoint& checkpoint) {
     StateWriter writer;
     writer(checkpoint.version, checkpoint);
-    const std::string payload = writer.take(), head = header(payload);
+    const std::string payload = writer.take(), head = checkpointHeader(payload);
     AtomicFile target(file);
     std::ofstream stream(target.temporary(), std::ios::binary);
     for (const std::string& part : {std::cref(head), std::cref(payload)})
@@ -114,14 +155,22 @@ void writeCheckpoint(const fs::path& file, const Checkpoint& checkpoint) {
 }
 
 Checkpoint parseCheckpoint(std::string_view bytes, const std::string& name, const std::string& version) {
-    StateReader reader(checkedPayload(bytes, name));
     Checkpoint checkpoint;
-    reader(checkpoint.version);
+    StateReader reader(checkedPayload(bytes, name));
+    try {
+        reader(checkpoint.version);
+        // What follows may have another shape.
+        if (checkpoint.version == version) {
+            reader(checkpoint);
+            reader.checkEnd();
+            checkContents(checkpoint);
+        }
+    } catch (const Error& problem) {
+        throw Error("checkpoint '{}' is damaged: {}", name, problem.what());
+    }
     if (checkpoint.version != version)
         throw Error("checkpoint '{}' was written by version {} of Metrolux, this is {}", name,
                     checkpoint.version, version);
-    reader(checkpoint);
-    reader.checkEnd();
     return checkpoint;
 }
 

@@ -22,7 +22,6 @@ struct Checkpoint {
     std::string folder;                ///< its working directory
     std::vector<std::string> outputs;  ///< images
     RenderLimits limits;
-    size_t memoryBytes = 0;  ///< IntegratorOptions::memoryBytes, which may be the machine's
     /// JSON: what the passes depend on, scene files and options. Renderings of the same identity can be
     /// continued and merged.
     std::string identity;
@@ -38,11 +37,15 @@ struct Checkpoint {
 
 /// Replaces the file as a whole or not at all; the one before is kept as FILE.1. Throws Error.
 void writeCheckpoint(const std::filesystem::path& file, const Checkpoint& checkpoint);
-/// Throws Error that says what is wrong with the file: damaged, or of another format or version of the
-/// program.
+/// Throws Error that says what is wrong with the file: damaged, of another format or version of the program,
+/// or with contents that no rendering has. What it returns has an identity that can be parsed, compared and
+/// asked for scene/name, algorithm and streams, and a window that `film` has the bytes for.
 Checkpoint readCheckpoint(const std::filesystem::path& file, const std::string& version);
 /// As readCheckpoint(), from the file's bytes; `name` is for messages.
 Checkpoint parseCheckpoint(std::string_view bytes, const std::string& name, const std::string& version);
+
+/// What precedes the payload in a file: magic, format, checksum, size.
+std::string checkpointHeader(std::string_view payload);
 
 /// FILE.1.
 std::filesystem::path previousCheckpoint(const std::filesystem::path& file);

@@ -19,9 +19,13 @@ void PartMerger::add(const std::string& name, const Checkpoint& part) {
                     fmt::join(different, "\n  "));
     addStreams(name, part);
     Film film(part.window, unused);
-    StateReader reader(part.film);
-    film.loadState(reader);
-    reader.checkEnd();
+    try {
+        StateReader reader(part.film);
+        film.loadState(reader);
+        reader.checkEnd();
+    } catch (const Error& problem) {
+        throw Error("checkpoint '{}' is damaged: {}", name, problem.what());
+    }
     film_->add(film);
     seconds_ += part.seconds;
     rays_.intersectRays += part.rays.intersectRays;

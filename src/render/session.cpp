@@ -202,7 +202,6 @@ Checkpoint RenderSession::checkpoint(const Snapshot& now) const {
     c.folder = options_.checkpoint.folder;
     for (const std::filesystem::path& output : options_.outputs) c.outputs.push_back(output.string());
     c.limits = options_.limits;
-    c.memoryBytes = options_.integratorOptions.memoryBytes;
     c.identity = identity().dump();
     c.seconds = now.report.seconds;
     c.rays = now.rays;

@@ -11,6 +11,9 @@
 
 namespace metrolux {
 
+/// That a rendering may be divided into.
+inline constexpr uint32_t kMostStreams = 1 << 20;
+
 /// Pass p of a rendering belongs to stream p mod `count`. Of these, a process may render `first` ... `last`.
 struct StreamChoice {
     uint32_t count = 1, first = 0, last = 0;

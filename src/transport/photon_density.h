@@ -17,8 +17,11 @@ class PhotonDensity {
     /// `cell`: edge of a cell in scene units, > 0.
     explicit PhotonDensity(double cell);
 
-    /// Counts a vertex. Thread-safe; sums do not depend on the order. No effect on at() until endIteration().
-    void count(const Vec3f& p) { counts_[bucketOf(p)].fetch_add(1, std::memory_order_relaxed); }
+    /// Counts so many vertices. Thread-safe; sums do not depend on the order. No effect on at() until
+    /// endIteration().
+    void count(const Vec3f& p, uint32_t vertices = 1) {
+        counts_[bucketOf(p)].fetch_add(vertices, std::memory_order_relaxed);
+    }
     /// Closes an iteration in which the vertices of so many light subpaths were counted.
     void endIteration(double lightSubpaths);
     /// Expected number of vertices per light subpath and area around p; 0 before the first iteration has

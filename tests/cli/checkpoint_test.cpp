@@ -24,12 +24,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-using Words = std::vector<std::string>;
-
-Words operator+(Words a, const Words& b) {
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
 
 std::string bytesOf(const fs::path& file) {
     std::ostringstream text;
@@ -39,9 +33,6 @@ std::string bytesOf(const fs::path& file) {
 
 class CheckpointTest : public CliTest {
   protected:
-    std::vector<float> pixels(const std::string& image) const {
-        return readImage(folder / image, false).pixels;
-    }
     /// A rendering of so many passes with a checkpoint after each.
     static Words renderWords(const std::string& integrator, int passes) {
         return {"render",

@@ -1,5 +1,7 @@
 #include "command.h"
 
+#include "image/image_io.h"
+
 #include <atomic>
 #include <chrono>
 #include <csignal>
@@ -53,15 +55,12 @@ const char* const kTinyScene = R"(<scene version="3.0.0">
 </scene>
 )";
 
-Command::Command(const fs::path& folder, const std::vector<std::string>& arguments,
-                 const std::vector<std::string>& launcher) {
+Command::Command(const fs::path& folder, const Words& arguments, const Words& launcher) {
     static std::atomic<int> counter{0};
     const std::string name = ".run" + std::to_string(counter++);
     out_ = folder / (name + ".out");
     err_ = folder / (name + ".err");
-    std::vector<std::string> words = launcher;
-    words.push_back(std::string(METROLUX_BINARY_DIR) + "/metrolux");
-    words.insert(words.end(), arguments.begin(), arguments.end());
+    Words words = launcher + Words{std::string(METROLUX_BINARY_DIR) + "/metrolux"} + arguments;
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
@@ -91,19 +90,10 @@ Outcome Command::wait() {
             contentOf(err_)};
 }
 
-CliTest::CliTest() {
-    std::string name = testing::UnitTest::GetInstance()->current_test_info()->name();
-    for (char& c : name)
-        if (c == '/') c = '-';
-    folder = fs::path(testing::TempDir()) / ("metrolux-cli-" + name + "-" + std::to_string(::getpid()));
-    fs::create_directories(folder);
-    write("scene.xml", kTinyScene);
-}
+CliTest::CliTest() { write("scene.xml", kTinyScene); }
 
-CliTest::~CliTest() { fs::remove_all(folder); }
-
-void CliTest::write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder / name, std::ios::binary) << text;
+std::vector<float> CliTest::pixels(const std::string& image) const {
+    return readImage(folder / image, false).pixels;
 }
 
 bool CliTest::waitFor(const std::string& name) const {

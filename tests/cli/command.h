@@ -1,6 +1,8 @@
 #pragma once
 /// Runs the metrolux program as a user does.
 
+#include "support/temporary_folder.h"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -8,6 +10,13 @@
 #include <vector>
 
 namespace metrolux::cli {
+
+using Words = std::vector<std::string>;
+
+inline Words operator+(Words a, const Words& b) {
+    a.insert(a.end(), b.begin(), b.end());
+    return a;
+}
 
 struct Outcome {
     int status = -1;  ///< exit status; 128 + signal if a signal ended it
@@ -18,8 +27,7 @@ struct Outcome {
 class Command {
   public:
     /// `launcher`: words before those of metrolux, the first is found in PATH.
-    Command(const std::filesystem::path& folder, const std::vector<std::string>& arguments,
-            const std::vector<std::string>& launcher = {});
+    Command(const std::filesystem::path& folder, const Words& arguments, const Words& launcher = {});
     ~Command();
     Command(const Command&) = delete;
     Command& operator=(const Command&) = delete;
@@ -36,14 +44,19 @@ class Command {
 class CliTest : public testing::Test {
   protected:
     CliTest();
-    ~CliTest() override;
 
-    Outcome run(const std::vector<std::string>& arguments) const { return Command(folder, arguments).wait(); }
-    void write(const std::string& name, const std::string& text) const;
+    Outcome run(const Words& arguments) const { return Command(folder, arguments).wait(); }
+    void write(const std::string& name, const std::string& text) const { temporary_.write(name, text); }
     /// Waits until the file exists; false after 60 s.
     bool waitFor(const std::string& name) const;
+    /// Of an image in the folder.
+    std::vector<float> pixels(const std::string& image) const;
 
-    std::filesystem::path folder;
+  private:
+    test::TemporaryFolder temporary_;
+
+  protected:
+    const std::filesystem::path folder = temporary_.path();
 };
 
 /// 24x16 pixels: a box with a rough floor, a glass sphere and an area light; $samples and $width may be

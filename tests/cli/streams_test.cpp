@@ -17,18 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-using Words = std::vector<std::string>;
-
-Words operator+(Words a, const Words& b) {
-    a.insert(a.end(), b.begin(), b.end());
-    return a;
-}
 
 class StreamsTest : public CliTest {
   protected:
-    std::vector<float> pixels(const std::string& image) const {
-        return readImage(folder / image, false).pixels;
-    }
     /// 22 passes in 8 streams: some have one more than others.
     static Words words(const std::string& integrator) {
         return {"render",   "scene.xml", "-i",        integrator, "--resolution", "24x18",
@@ -37,7 +28,7 @@ class StreamsTest : public CliTest {
     Outcome part(const std::string& integrator, const std::string& streams, const std::string& name) const {
         return run(words(integrator) + Words{"--only-streams", streams, "--checkpoint", name});
     }
-    static bool haveMpi() { return std::system("command -v mpirun > /dev/null") == 0; }
+    static bool haveMpi() { return METROLUX_TEST_MPI && std::system("command -v mpirun > /dev/null") == 0; }
     static Words mpirun(int ranks) {
         return {"mpirun", "--allow-run-as-root", "--oversubscribe", "-n", std::to_string(ranks)};
     }
@@ -149,7 +140,7 @@ TEST_F(StreamsTest, StreamsAreResumedAndTakeTurnsUnderATimeLimit) {
 }
 
 TEST_F(StreamsTest, RanksOfMpiMakeTheSameImage) {
-    if (!haveMpi()) GTEST_SKIP() << "mpirun is not there";
+    if (!haveMpi()) GTEST_SKIP() << "built without MPI, or mpirun is not there";
     for (const char* integrator : {"path", "vcm", "mcmc_vcm"}) {
         ASSERT_EQ(run(words(integrator) + Words{"-o", "one.exr"}).status, 0);
         for (int ranks = 1; ranks <= 3; ++ranks) {
@@ -163,7 +154,7 @@ TEST_F(StreamsTest, RanksOfMpiMakeTheSameImage) {
 }
 
 TEST_F(StreamsTest, ARankThatDiesEndsTheJobAndAnotherNumberOfRanksGoesOn) {
-    if (!haveMpi()) GTEST_SKIP() << "mpirun is not there";
+    if (!haveMpi()) GTEST_SKIP() << "built without MPI, or mpirun is not there";
     const Words longer{"render",   "scene.xml", "-i",        "mcmc_vcm", "--resolution", "24x18",
                        "--passes", "600",       "--streams", "8",        "--threads",    "1"};
     ASSERT_EQ(run(longer + Words{"-o", "whole.exr"}).status, 0);
@@ -185,8 +176,21 @@ TEST_F(StreamsTest, ARankThatDiesEndsTheJobAndAnotherNumberOfRanksGoesOn) {
     EXPECT_EQ(pixels("a.exr"), pixels("whole.exr"));
 }
 
+TEST_F(StreamsTest, AProgramWithoutMpiSaysSoUnderALauncher) {
+    if (METROLUX_TEST_MPI) GTEST_SKIP() << "built with MPI; -DMETROLUX_MPI=OFF builds without";
+    for (const char* variable : {"OMPI_COMM_WORLD_SIZE=2", "PMI_SIZE=2"}) {
+        const Outcome outcome =
+            Command(folder, words("path") + Words{"-o", "a.exr"}, {"env", variable}).wait();
+        EXPECT_EQ(outcome.status, 2) << variable;
+        EXPECT_THAT(outcome.err, HasSubstr("one of 2 processes of MPI, but this program was built without"));
+        EXPECT_FALSE(fs::exists(folder / "a.exr"));
+    }
+    // Streams of one process need none.
+    EXPECT_EQ(run(words("path") + Words{"-o", "a.exr"}).status, 0);
+}
+
 TEST_F(StreamsTest, RanksNeedStreams) {
-    if (!haveMpi()) GTEST_SKIP() << "mpirun is not there";
+    if (!haveMpi()) GTEST_SKIP() << "built without MPI, or mpirun is not there";
     const Outcome outcome = runRanks(2, {"render", "scene.xml", "--passes", "4"});
     EXPECT_EQ(outcome.status, 2) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("give --streams S"));

@@ -1,14 +1,18 @@
 /// Renders random scenes with all integrators for some time, and counts what should not happen: crashes,
-/// hangs, values that are not finite in an image, memory that is lost. A child process renders; when it dies,
-/// the next one goes on after the scene that ended it. Meant for a build with sanitizers (`make soak`).
+/// hangs, values that are not finite in an image, memory that is lost, renderings that are another one after
+/// they were saved and resumed. A child process renders; when it dies, the next one goes on after the scene
+/// that ended it. Meant for a build with sanitizers (`make soak`).
 
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/rng.h"
+#include "base/state_archive.h"
 #include "integrators/integrator.h"
 #include "io/scene_loader.h"
 #include "random_scene.h"
+#include "render/session.h"
 #include "render/threads.h"
+#include "support/temporary_folder.h"
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
@@ -21,6 +25,7 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <poll.h>
 #include <string>
 #include <sys/wait.h>
@@ -62,7 +67,7 @@ class Reporter {
 };
 
 /// Options that a user may choose, by the seed.
-IntegratorOptions randomOptions(uint64_t seed, const Scene& scene) {
+IntegratorOptions randomOptions(uint64_t seed, const Scene& scene, const std::string& integrator) {
     CounterRng rng(hashKey(seed, 0x0b7));
     IntegratorOptions options;
     options.seed = seed;
@@ -78,21 +83,66 @@ IntegratorOptions randomOptions(uint64_t seed, const Scene& scene) {
     if (rng.next1D() < 0.2f) options.target = ChainTarget::Relative;
     if (rng.next1D() < 0.2f) options.normalisation = NormalisationMethod::Bennett;
     options.pooledTheta = rng.next1D() < 0.2f;
+    options.measuredSplit = rng.next1D() < 0.2f && integrator == "mcmc_vcm";
     return options;
+}
+
+/// A film and what renders it.
+class Rendering {
+  public:
+    Rendering(const Scene& scene, const std::string& integrator, const IntegratorOptions& options)
+        : film_(makeFilm(scene)), integrator_(makeIntegrator(integrator, scene, options)) {}
+
+    void render(int passes) {
+        for (int i = 0; i < passes; ++i) integrator_->renderPass(film_);
+    }
+    const Film& film() const { return film_; }
+    std::string state() const {
+        StateWriter writer;
+        film_.saveState(writer);
+        integrator_->saveState(writer);
+        return writer.take();
+    }
+    void load(const std::string& state) {
+        StateReader reader(state);
+        film_.loadState(reader);
+        integrator_->loadState(reader);
+        reader.checkEnd();
+    }
+
+  private:
+    Film film_;
+    std::unique_ptr<Integrator> integrator_;
+};
+
+/// The pass after which the scene's renderings are saved and resumed; 0: they are not.
+int passBeforeResume(uint64_t seed, int passes) {
+    CounterRng rng(hashKey(seed, 0xc4e));
+    if (passes < 2 || rng.next1D() >= 0.3f) return 0;
+    return 1 + static_cast<int>(rng.next1D() * static_cast<float>(passes - 1));
 }
 
 void render(const Settings& settings, const Scene& scene, const std::string& integrator, uint64_t seed,
             const Reporter& reporter) {
     reporter.say({{"begin", integrator}});
-    Film film = makeFilm(scene);
-    const auto integrates = makeIntegrator(integrator, scene, randomOptions(seed, scene));
-    for (int i = 0; i < settings.passes; ++i) integrates->renderPass(film);
-    nlohmann::json rejected = nlohmann::json::object();
-    for (int i = 0; i < static_cast<int>(Technique::Count); ++i)
-        rejected[techniqueName(static_cast<Technique>(i))] = film.nonFinite(static_cast<Technique>(i));
-    const std::vector<float> image = film.image();
+    const IntegratorOptions options = randomOptions(seed, scene, integrator);
+    const int stop = passBeforeResume(seed, settings.passes);
+    Rendering whole(scene, integrator, options);
+    whole.render(stop);
+    const std::string saved = stop > 0 ? whole.state() : "";
+    whole.render(settings.passes - stop);
+    const std::vector<float> image = whole.film().image();
     const auto bad = std::count_if(image.begin(), image.end(), [](float v) { return !std::isfinite(v); });
-    reporter.say({{"rendered", integrator}, {"bad_values", bad}, {"rejected", rejected}});
+    nlohmann::json result{
+        {"rendered", integrator}, {"bad_values", bad}, {"rejected", nonFiniteCounts(whole.film())}};
+    if (stop > 0) {
+        Rendering resumed(scene, integrator, options);
+        resumed.load(saved);
+        resumed.render(settings.passes - stop);
+        // The states hold the films' exact sums: more than the image.
+        result["resumed_is_same"] = resumed.state() == whole.state();
+    }
+    reporter.say(result);
 }
 
 fs::path writeScene(const fs::path& folder, uint64_t seed) {
@@ -223,6 +273,11 @@ class Supervisor {
                 problem(fmt::format("{} values not finite", message["bad_values"].dump()));
             for (const auto& [technique, count] : message["rejected"].items())
                 rejected_[technique] += count.get<uint64_t>();
+            if (message.contains("resumed_is_same")) {
+                ++resumed_;
+                if (!message["resumed_is_same"].get<bool>())
+                    problem("another state after it was saved and resumed");
+            }
         } else if (message.contains("refused")) {
             ++refused_;
             fmt::print("scene {} refused: {}\n", next_, message["refused"].get<std::string>());
@@ -257,6 +312,7 @@ class Supervisor {
                                        {"scenes", scenes_},
                                        {"refused", refused_},
                                        {"renders", renders_},
+                                       {"resumed", resumed_},
                                        {"passes_each", settings_.passes},
                                        {"integrators", settings_.integrators},
                                        {"rejected_contributions", rejected_},
@@ -267,20 +323,13 @@ class Supervisor {
     }
 
     const Settings& settings_;
-    uint64_t next_ = 0, scenes_ = 0, refused_ = 0, renders_ = 0;
+    uint64_t next_ = 0, scenes_ = 0, refused_ = 0, renders_ = 0, resumed_ = 0;
     bool finished_ = false;
     std::string integrator_;
     std::map<std::string, uint64_t> rejected_;
     std::vector<uint64_t> resident_;
     std::vector<std::string> problems_;
 };
-
-/// A folder for the scene in work.
-fs::path makeFolder() {
-    std::string pattern = (fs::temp_directory_path() / "metrolux_soak_XXXXXX").string();
-    if (!::mkdtemp(pattern.data())) throw Error("no folder in {}", fs::temp_directory_path().string());
-    return pattern;
-}
 
 int run(int argc, char** argv) {
     Settings settings;
@@ -301,12 +350,10 @@ int run(int argc, char** argv) {
     if (settings.pipe >= 0) return runChild(settings);
     if (settings.integrators.empty())
         for (const auto& [name, description] : integratorList()) settings.integrators.push_back(name);
-    const bool temporary = settings.folder.empty();
-    if (temporary) settings.folder = makeFolder();
+    std::optional<test::TemporaryFolder> temporary;
+    if (settings.folder.empty()) settings.folder = temporary.emplace().path();
     fs::create_directories(settings.folder);
-    const bool good = Supervisor(settings).run();
-    if (temporary) fs::remove_all(settings.folder);
-    return good ? 0 : 1;
+    return Supervisor(settings).run() ? 0 : 1;
 }
 
 }  // namespace

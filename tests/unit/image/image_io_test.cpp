@@ -3,12 +3,12 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "image/atomic_file.h"
+#include "support/temporary_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <fstream>
-#include <unistd.h>
 
 namespace metrolux {
 namespace {
@@ -18,13 +18,6 @@ using testing::HasSubstr;
 
 class ImageIo : public testing::Test {
   protected:
-    ImageIo() {
-        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        folder = fs::path(testing::TempDir()) / fmt::format("metrolux-image-{}-{}", test->name(), ::getpid());
-        fs::create_directories(folder);
-    }
-    ~ImageIo() override { fs::remove_all(folder); }
-
     static ImageData gradient(int width, int height) {
         ImageData image{width, height, 3, {}};
         for (int i = 0; i < width * height * 3; ++i)
@@ -42,7 +35,8 @@ class ImageIo : public testing::Test {
     size_t fileCount() const {
         return static_cast<size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
     }
-    fs::path folder;
+    test::TemporaryFolder temporary_;
+    const fs::path folder = temporary_.path();
 };
 
 TEST_F(ImageIo, ExrRoundTripIsExact) {

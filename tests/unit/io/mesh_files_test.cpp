@@ -2,16 +2,15 @@
 #include "base/error.h"
 #include "base/rng.h"
 #include "io/mesh_io.h"
+#include "support/temporary_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <bit>
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <unistd.h>
 #include <zlib.h>
 
 namespace metrolux {
@@ -23,17 +22,11 @@ using Read = std::function<std::shared_ptr<TriangleMesh>(const fs::path&)>;
 /// A file that is gone with its scope.
 class Scratch {
   public:
-    explicit Scratch(const std::string& content) {
-        static std::atomic<int> counter{0};
-        path_ = fs::temp_directory_path() / fmt::format("metrolux_mesh_{}_{}.mesh", ::getpid(), counter++);
-        std::ofstream(path_, std::ios::binary) << content;
-    }
-    ~Scratch() { fs::remove(path_); }
-    Scratch(const Scratch&) = delete;
-    Scratch& operator=(const Scratch&) = delete;
+    explicit Scratch(const std::string& content) : path_(folder_.write("a.mesh", content)) {}
     const fs::path& path() const { return path_; }
 
   private:
+    test::TemporaryFolder folder_;
     fs::path path_;
 };
 

@@ -37,6 +37,17 @@ TEST(PhotonDensity, MeasuresVerticesPerSubpathAndArea) {
     }
 }
 
+TEST(PhotonDensity, CountsSeveralAtOnce) {
+    PhotonDensity one(0.1), several(0.1);
+    const Vec3f p(0.3f, 0.2f, 0.1f);
+    for (int i = 0; i < 5; ++i) one.count(p);
+    several.count(p, 5);
+    one.endIteration(2);
+    several.endIteration(2);
+    EXPECT_GT(one.at(p), 0);
+    EXPECT_EQ(several.at(p), one.at(p));
+}
+
 TEST(PhotonDensity, LimitsWhatMergesCountFor) {
     PhotonDensity d(0.1);
     countUniform(d, 200000, false);

@@ -1,4 +1,5 @@
 #pragma once
+#include "base/direction_cone.h"
 #include "endpoint/endpoint.h"
 
 #include <memory>
@@ -13,10 +14,26 @@ struct SceneBounds {
     float radius = 1;  ///< of a sphere around `center` that holds all surfaces and the camera
 };
 
+/// Where a light is and where it shines, for light selection (after Conty Estevez & Kulla 2018, 4.1).
+/// `lower`, `upper`, `normals` and `cosEmission` are conservative: no light leaves from elsewhere nor in
+/// other directions, but for rounding.
+struct LightBounds {
+    Vec3f lower{0.0f}, upper{0.0f};  ///< box of all points that emit
+    DirectionCone normals;           ///< holds the axis of emission at each of them
+    /// Cosine of the largest angle, at most 90 degrees, between such an axis and the light that leaves: 0 for
+    /// surfaces, whose axes are their normals; 1 for beams, whose cone `normals` is the beam.
+    float cosEmission = 0;
+    /// Flux per steradian (luminance) where it shines, seen from afar: a scale, not a bound.
+    float intensity = 0;
+};
+
 class Light : public Endpoint {
   public:
     /// Emitted power (flux, luminance of its channels): for light selection.
     virtual float power() const = 0;
+
+    /// Nothing for lights that are nowhere in particular: infinite ones, and those that are not connectable.
+    virtual std::optional<LightBounds> bounds() const { return std::nullopt; }
 
     /// Radiance that leaves the surface point `si` of this area light in direction w (unit, world). Zero on
     /// the back.

@@ -30,6 +30,8 @@ class Disk final : public AnalyticShape {
         boundsAround(toWorld_.offset, extent, lower, upper);
     }
 
+    DirectionCone normalCone() const override { return {normal_, 1}; }
+
     bool intersect(const Ray& ray, float tMin, float& t, SurfaceInteraction* si) const override {
         const Vec3d o = toLocal_.point(toDouble(ray.origin)), d = toLocal_.vector(toDouble(ray.direction));
         const double hit = -o.z / d.z;

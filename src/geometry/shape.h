@@ -1,4 +1,5 @@
 #pragma once
+#include "base/direction_cone.h"
 #include "base/math.h"
 #include "base/transform.h"
 #include "geometry/interaction.h"
@@ -48,6 +49,8 @@ class Shape {
     }
     /// World-space bounds.
     virtual void bounds(Vec3f& lower, Vec3f& upper) const = 0;
+    /// Holds the geometric normals of all points. Default: all directions.
+    virtual DirectionCone normalCone() const { return {}; }
     /// Partial derivatives of position in the shape's own space, where no instance places it.
     virtual Partials partialsAt(const SurfaceInteraction& si) const = 0;
     virtual size_t primitiveCount() const { return 1; }
@@ -99,6 +102,7 @@ class TriangleMesh final : public Shape {
     float area() const override { return totalArea_; }
     ShapeSample sampleArea(const Vec2f& u) const override;
     void bounds(Vec3f& lower, Vec3f& upper) const override;
+    DirectionCone normalCone() const override;
     Partials partialsAt(const SurfaceInteraction& si) const override;
     size_t primitiveCount() const override { return indices.size() / 3; }
     bool attribute(const std::string& name, const SurfaceInteraction& si, Rgb& value) const override;

@@ -144,6 +144,23 @@ Vec3f TriangleMesh::geometricNormal(const uint32_t* v, const Vec3d& scaled) cons
     return flipNormals ? -n : n;
 }
 
+DirectionCone TriangleMesh::normalCone() const {
+    std::vector<Vec3f> faces;  // those that can be hit or sampled
+    Vec3d sum(0.0);
+    for (size_t i = 0; i < indices.size(); i += 3) {
+        const uint32_t* v = &indices[i];
+        const Vec3d scaled = scaledNormal(positions[v[0]], positions[v[1]], positions[v[2]]);
+        if (!(scaled.length() > 0)) continue;
+        faces.push_back(geometricNormal(v, scaled));
+        sum += toDouble(faces.back()) * scaled.length();
+    }
+    const double length = sum.length();
+    if (!(length > 0) || !std::isfinite(length)) return {};
+    DirectionCone cone{toFloat(sum / length), 1};
+    for (const Vec3f& n : faces) cone.cosine = std::min(cone.cosine, dot(cone.axis, n));
+    return cone;
+}
+
 Partials TriangleMesh::partialsAt(const SurfaceInteraction& si) const {
     const uint32_t* v = &indices[3 * size_t(si.primitive)];
     const Vec3d p0 = toDouble(positions[v[0]]);

@@ -1,6 +1,7 @@
 #include "scene/scene.h"
 
 #include "base/error.h"
+#include "scene/light_selector.h"
 
 #include <cmath>
 
@@ -40,7 +41,7 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
             if (environment_) throw Error("{}: more than one environment emitter", parts_.source);
             environment_ = light.get();
         }
-        lightIndex_.emplace_back(light.get(), static_cast<uint32_t>(lightIndex_.size()));
+        lightIndex_.emplace(light.get(), static_cast<uint32_t>(powers.size()));
         powers.push_back(light->power());
         if (!std::isfinite(powers.back()))
             throw Error(
@@ -48,21 +49,15 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
                 "size beyond what single precision holds?",
                 parts_.source, powers.size(), parts_.lights.size(), powers.back());
     }
-    std::sort(lightIndex_.begin(), lightIndex_.end());
-
-    double total = 0;
-    for (const double p : powers) total += p;
-    if (!(total > 0) && !powers.empty()) powers.assign(powers.size(), 1.0), total = double(powers.size());
-    // A defensive share of uniform choice: power says nothing about what reaches a given point.
-    std::vector<double> emission, connection;
-    for (const double p : powers) {
-        const double uniform = 1.0 / double(powers.size());
-        emission.push_back(0.9 * p / total + 0.1 * uniform);
-        connection.push_back(0.5 * p / total + 0.5 * uniform);
+    if (!powers.empty()) emission_ = DiscreteDistribution(mixedWithEven(powers, 0.1));
+    try {
+        connection_ = std::make_unique<LightSelector>(parts_.lights, bounds_);
+    } catch (const Error& error) {
+        throw Error("{}: {}", parts_.source, error.what());
     }
-    emission_ = DiscreteDistribution(emission);
-    connection_ = DiscreteDistribution(connection);
 }
+
+Scene::~Scene() = default;
 
 bool Scene::visible(const Vec3f& a, const Vec3f& ngA, const Vec3f& b, const Vec3f& ngB) const {
     const Vec3f rough = b - a;
@@ -78,19 +73,14 @@ bool Scene::visibleToInfinity(const Vec3f& x, const Vec3f& ng, const Vec3f& w) c
     return !intersector_->occluded({offsetRayOrigin(x, ng, w), w, kInfinity});
 }
 
-size_t Scene::indexOf(const Light* light) const {
-    const auto it = std::lower_bound(lightIndex_.begin(), lightIndex_.end(), std::pair(light, uint32_t(0)));
-    return it->second;
+Scene::LightChoice Scene::chooseLightForConnection(const Vec3f& x, float& u) const {
+    if (connection_->empty()) return {};
+    const LightSelector::Choice choice = connection_->sample(x, u);
+    return {parts_.lights[choice.light].get(), choice.probability};
 }
 
-Scene::LightChoice Scene::chooseLightForConnection(const Vec3f&, float& u) const {
-    if (parts_.lights.empty()) return {};
-    const size_t i = connection_.sample(u);
-    return {parts_.lights[i].get(), static_cast<float>(connection_.pmf(i))};
-}
-
-float Scene::connectionProbability(const Vec3f&, const Light* light) const {
-    return static_cast<float>(connection_.pmf(indexOf(light)));
+float Scene::connectionProbability(const Vec3f& x, const Light* light) const {
+    return connection_->probability(x, lightIndex_.at(light));
 }
 
 Scene::LightChoice Scene::chooseLightForEmission(float& u) const {
@@ -100,7 +90,7 @@ Scene::LightChoice Scene::chooseLightForEmission(float& u) const {
 }
 
 float Scene::emissionProbability(const Light* light) const {
-    return static_cast<float>(emission_.pmf(indexOf(light)));
+    return static_cast<float>(emission_.pmf(lightIndex_.at(light)));
 }
 
 }  // namespace metrolux

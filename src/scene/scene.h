@@ -9,9 +9,12 @@
 
 #include <memory>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace metrolux {
+
+class LightSelector;
 
 /// Path-length limits of the scene's <integrator>.
 struct PathLimits {
@@ -40,6 +43,7 @@ struct SceneParts {
 class Scene {
   public:
     explicit Scene(SceneParts parts);
+    ~Scene();
 
     bool intersect(const Ray& ray, SurfaceInteraction& si) const { return intersector_->intersect(ray, si); }
     /// Whether the segment between two surface points is free. The normals (zero when there is none) serve to
@@ -71,9 +75,9 @@ class Scene {
     std::unique_ptr<Intersector> intersector_;
     SceneBounds bounds_;
     const Light* environment_ = nullptr;
-    DiscreteDistribution emission_, connection_;
-    std::vector<std::pair<const Light*, uint32_t>> lightIndex_;  // sorted by address
-    size_t indexOf(const Light* light) const;
+    DiscreteDistribution emission_;
+    std::unique_ptr<const LightSelector> connection_;
+    std::unordered_map<const Light*, uint32_t> lightIndex_;
 };
 
 }  // namespace metrolux

@@ -86,6 +86,8 @@ const Runs kAdaptive{{"pssmlt, adaptive", {16, "pssmlt", kRadiusFactor, Mutation
 const Runs kSplitKelemen{
     {"split_mcmc, kelemen", {12, "split_mcmc", kRadiusFactor, MutationKernel::Kind::Kelemen}}};
 
+const Runs kConnections{{"path", run("path", 16)}, {"bdpt", run("bdpt", 8)}, {"vcm", run("vcm", 8)}};
+
 const Runs kSplitAlone = together(kCore, kSplit);
 const Runs kWithPhotons = together(kSplitAlone, kPhotonMapping);
 const Runs kWithPathChains = together(together(kSplitAlone, kPathChains), kAdaptive);
@@ -104,6 +106,7 @@ const char* const kAjar =
 const char* const kGlossy =
     "sppm, vpt: narrow lobes that hardly any photon falls into; block means without the "
     "rare one are too dark with too small an error";
+const char* const kDirectLight = "the others: the scene is for the choice of lights by next-event estimation";
 const char* const kSameAsCbox = "the others: the same room in other colours as cbox";
 const char* const kLikeCornellBox = "path chains: cornell_box is alike";
 const char* const kMergingNeeded =
@@ -119,6 +122,7 @@ const std::vector<Case> kCases{
     {"spot_directional", "spot-directional/scene.xml", false, kMergingOnly, kMergingNeeded},
     {"textured", "textured/scene.xml", false, kWithPathChains, kGlossy},
     {"water_sds", "water-sds/scene.xml", false, kMergingOnly, kMergingNeeded},
+    {"lamps", "../tests/agreement/lamps.xml", false, kConnections, kDirectLight},
     {"cornell_box", "cornell-box/scene.xml", true, kEverything},
     {"veach_mis", "veach-mis/scene.xml", true, kSplitAlone, kGlossy},
     {"veach_bidir", "veach-bidir/scene.xml", true, kWithPhotons, kRare},

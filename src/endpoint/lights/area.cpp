@@ -74,6 +74,10 @@ class Parallelogram {
     Vec2f uvOrigin_, toBarycentric1_, toBarycentric2_;
 };
 
+/// Share of a spherical cap's area (1 - cosine is its height) that faces its axis, seen from afar: 1 when it
+/// is flat, 1/4 for the whole sphere.
+float projectedShare(float cosine) { return cosine > 0 ? 0.5f * (1 + cosine) : 0.5f / (1 - cosine); }
+
 class AreaLight final : public Light {
   public:
     explicit AreaLight(const AreaLightParameters& p)
@@ -85,6 +89,13 @@ class AreaLight final : public Light {
     }
 
     float power() const override { return std::max(luminance(radiance_->mean()), 0.0f) * kPi * area_; }
+    std::optional<LightBounds> bounds() const override {
+        LightBounds b;
+        shape_->bounds(b.lower, b.upper);
+        b.normals = shape_->normalCone();
+        b.intensity = power() * kInvPi * projectedShare(b.normals.cosine);
+        return b;
+    }
     bool isDelta() const override { return false; }
     const Shape* shape() const override { return shape_; }
 

@@ -13,6 +13,9 @@ class PointLight final : public Light {
     }
 
     float power() const override { return luminance(intensity_) * (4 * kPi); }
+    std::optional<LightBounds> bounds() const override {
+        return LightBounds{position_, position_, {}, 1, luminance(intensity_)};
+    }
     bool isDelta() const override { return true; }
 
     std::optional<EndpointRay> sampleRay(const Vec2f&, const Vec2f& uDirection) const override {

@@ -30,6 +30,11 @@ class Projector final : public Light {
     float power() const override {
         return std::max(luminance(texture_->mean()), 0.0f) * scale_ * kPi * planeArea();
     }
+    std::optional<LightBounds> bounds() const override {
+        const float toCorner = std::sqrt(1 + sqr(halfWidth_) + sqr(halfHeight_));
+        // On the plane z = 1 the intensity along the axis is the irradiance.
+        return LightBounds{position_, position_, {axes_.n, 1 / toCorner}, 1, power() / planeArea()};
+    }
     bool isDelta() const override { return true; }
 
     std::optional<EndpointRay> sampleRay(const Vec2f&, const Vec2f& uDirection) const override {

@@ -38,6 +38,10 @@ class SpotLight final : public Light {
         const Rgb mean = texture_ ? intensity_ * texture_->mean() : intensity_;
         return static_cast<float>(integral) * std::max(luminance(mean), 0.0f);
     }
+    std::optional<LightBounds> bounds() const override {
+        const float mean = power() * warp::uniformConePdf(std::max(oneMinusCosCutoff_, 1e-30f));
+        return LightBounds{position_, position_, {axes_.n, 1 - oneMinusCosCutoff_}, 1, mean};
+    }
     bool isDelta() const override { return true; }
 
     std::optional<EndpointRay> sampleRay(const Vec2f&, const Vec2f& uDirection) const override {

@@ -127,6 +127,61 @@ TEST_P(EveryLight, powerIsTheMeanWeight) {
     }
 }
 
+TEST_P(EveryLight, boundsHoldWhatLeaves) {
+    SCOPED_TRACE(c.name);
+    const std::optional<LightBounds> b = light.bounds();
+    ASSERT_EQ(b.has_value(), light.isConnectable() && !light.isInfinite());
+    if (!b) return;
+    EXPECT_NEAR(b->normals.axis.length(), 1, 1e-5);
+    EXPECT_GE(b->cosEmission, 0);
+    constexpr float kMargin = 1e-5f;
+    const float limit = cosOfSum(b->normals.cosine, b->cosEmission);
+    float mostAxial = -1, leastAxial = 1;
+    Vec3f lower(kInfinity), upper(-kInfinity);
+    for (int i = 0; i < 20000; ++i) {
+        const Vec2f uPosition = rng.next2D(), uDirection = rng.next2D();
+        const std::optional<EndpointRay> ray = light.sampleRay(uPosition, uDirection);
+        if (!ray) continue;
+        for (int axis = 0; axis < 3; ++axis) {
+            ASSERT_GE(ray->origin[axis], b->lower[axis] - kMargin);
+            ASSERT_LE(ray->origin[axis], b->upper[axis] + kMargin);
+            lower[axis] = std::min(lower[axis], ray->origin[axis]);
+            upper[axis] = std::max(upper[axis], ray->origin[axis]);
+        }
+        const float axial = dot(ray->direction, b->normals.axis);
+        ASSERT_GE(axial, limit - kMargin);
+        leastAxial = std::min(leastAxial, axial);
+        mostAxial = std::max(mostAxial, axial);
+        if (c.shape) ASSERT_GE(dot(ray->ng, b->normals.axis), b->normals.cosine - kMargin);
+    }
+    // And they are not much larger: the box is filled, and the directions are.
+    EXPECT_LT(((b->upper - b->lower) - (upper - lower)).length(),
+              0.2f * (b->upper - b->lower).length() + kMargin);
+    EXPECT_GT(mostAxial, 0.99f);
+    EXPECT_LT(leastAxial, limit + 0.1f);
+}
+
+TEST_P(EveryLight, intensityIsThatWhereItShines) {
+    SCOPED_TRACE(c.name);
+    const std::optional<LightBounds> b = light.bounds();
+    if (!b) return;
+    // Over all directions it is less or the same, and it is reached in some.
+    constexpr float kFar = 1000;
+    constexpr int kDirections = 400, kPoints = 64;
+    double mean = 0, most = 0;
+    for (int i = 0; i < kDirections; ++i) {
+        const Vec3f x = (b->lower + b->upper) * 0.5f + warp::squareToSphere(rng.next2D()) * kFar;
+        double value = 0;
+        for (int j = 0; j < kPoints; ++j)
+            if (const auto connection = light.connect(x, rng.next2D()))
+                value += double(luminance(connection->value)) * sqr(double(kFar)) / kPoints;
+        mean += value / kDirections;
+        most = std::max(most, value);
+    }
+    EXPECT_LT(mean, 1.2 * b->intensity);
+    EXPECT_GT(most, 0.8 * b->intensity);
+}
+
 /// Irradiance on a small sphere by connections must be that by the light's radiance over uniform directions.
 TEST_P(EveryLight, connectionsGiveTheIrradiance) {
     SCOPED_TRACE(c.name);

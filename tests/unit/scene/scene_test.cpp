@@ -109,7 +109,7 @@ TEST(Scene, LightSelectionIsADistributionAndSamplesFollowIt) {
 TEST(Scene, LightsWithoutPowerAreChosenEvenly) {
     SceneBuilder b;
     b.light(pointLight({0, 1, 0}, 0));
-    b.light(pointLight({0, 2, 0}, 0));
+    b.light(pointLight({0, -1, 0}, 0));
     b.camera({0, 1, 5}, {0, 0, 0}, 50, 8, 8);
     const std::shared_ptr<Scene> scene = b.build();
     EXPECT_FLOAT_EQ(scene->emissionProbability(scene->lights()[0].get()), 0.5f);

@@ -131,6 +131,7 @@ TEST_F(CheckpointTest, EveryPassCanBeTheLast) {
     // Stopped by its limit after each number of passes, and continued beyond it. Method A has a state of its
     // own.
     for (const Words& options : {Words{"-i", "mcmc_vcm"}, Words{"-i", "pssmlt_merge", "--method", "A"},
+                                 Words{"-i", "mcmc_vcm", "--split", "auto"},
                                  Words{"-i", "mcmc_vcm", "--memory", "300k", "--kernel", "adaptive"}}) {
         const Words common = Words{"render", "scene.xml", "--resolution", "24x18", "--seed", "5"} + options;
         ASSERT_EQ(run(common + Words{"--passes", "8", "-o", "expected.exr"}).status, 0);

@@ -78,6 +78,8 @@ TEST_F(CliTest, WrongOptionsFailWithStatus2AndSayWhatIsWrong) {
         {{"render", "scene.xml", "--split", "1/0/1"}, "--split 1/0/1"},
         {{"render", "scene.xml", "--split", "1/2"}, "--split 1/2"},
         {{"render", "scene.xml", "--split", "1/2/3x"}, "--split 1/2/3x"},
+        {{"render", "scene.xml", "--split", "automatic"}, "expected `auto`"},
+        {{"render", "scene.xml", "--split", "auto", "-i", "vpt", "--passes", "1"}, "replica f"},
         {{"render", "scene.xml", "--target", "brightness"}, "--target"},
         {{"render", "scene.xml", "--normalisation", "none"}, "--normalisation"},
         {{"render", "scene.xml", "--theta", "1"}, "--theta"},

@@ -135,6 +135,25 @@ TEST_F(CliTest, OptionsOfPathChainsReachThem) {
     }
 }
 
+TEST_F(CliTest, OptionsThatTheIntegratorDoesNotKnowAreWarnedOf) {
+    const auto warnings = [&](const std::vector<std::string>& options) {
+        std::vector<std::string> words{"render", "scene.xml", "--passes", "1", "-o", "a.exr"};
+        words.insert(words.end(), options.begin(), options.end());
+        const Outcome outcome = run(words);
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        return outcome.err;
+    };
+    EXPECT_THAT(warnings({"-i", "path", "--large-step", "0.5"}),
+                HasSubstr("--large-step has no effect on path"));
+    EXPECT_THAT(warnings({"-i", "pssmlt", "--split", "1/1/2"}), HasSubstr("--split has no effect on pssmlt"));
+    EXPECT_THAT(warnings({"-i", "bdpt", "--radius", "0.1"}), HasSubstr("--radius has no effect on bdpt"));
+    EXPECT_THAT(warnings({"-i", "vpt", "--target", "relative"}), HasSubstr("--target has no effect on vpt"));
+    EXPECT_THAT(warnings({"-i", "pssmlt", "--large-step", "0.5", "--lanes", "2", "--kernel", "adaptive"}),
+                testing::Not(HasSubstr("no effect")));
+    EXPECT_THAT(warnings({"--split", "auto", "--radius", "0.1", "--replicas", "uvf"}),
+                testing::Not(HasSubstr("no effect")));
+}
+
 TEST_F(CliTest, ScenesOfMitsubasPssmltAreRenderedByIt) {
     std::string text = kTinyScene;
     const std::string type = "<integrator type=\"path\">";

@@ -86,7 +86,7 @@ const Runs kAdaptive{{"pssmlt, adaptive", {16, "pssmlt", kRadiusFactor, Mutation
 const Runs kSplitKelemen{
     {"split_mcmc, kelemen", {12, "split_mcmc", kRadiusFactor, MutationKernel::Kind::Kelemen}}};
 
-const Runs kConnections{{"path", run("path", 16)}, {"bdpt", run("bdpt", 8)}, {"vcm", run("vcm", 8)}};
+const Runs kConnections{{"path", run("path", 32)}, {"bdpt", run("bdpt", 16)}, {"vcm", run("vcm", 16)}};
 
 const Runs kSplitAlone = together(kCore, kSplit);
 const Runs kWithPhotons = together(kSplitAlone, kPhotonMapping);

@@ -152,7 +152,8 @@ TEST_P(EveryLight, boundsHoldWhatLeaves) {
         ASSERT_GE(axial, limit - kMargin);
         leastAxial = std::min(leastAxial, axial);
         mostAxial = std::max(mostAxial, axial);
-        if (c.shape) ASSERT_GE(dot(ray->ng, b->normals.axis), b->normals.cosine - kMargin);
+        if (!c.shape) continue;
+        ASSERT_GE(dot(ray->ng, b->normals.axis), b->normals.cosine - kMargin);
     }
     // And they are not much larger: the box is filled, and the directions are.
     EXPECT_LT(((b->upper - b->lower) - (upper - lower)).length(),
@@ -164,7 +165,7 @@ TEST_P(EveryLight, boundsHoldWhatLeaves) {
 TEST_P(EveryLight, intensityIsThatWhereItShines) {
     SCOPED_TRACE(c.name);
     const std::optional<LightBounds> b = light.bounds();
-    if (!b) return;
+    if (!b || c.name == "sphere from inside") return;  // that is dark from afar
     // Over all directions it is less or the same, and it is reached in some.
     constexpr float kFar = 1000;
     constexpr int kDirections = 400, kPoints = 64;

@@ -125,6 +125,30 @@ TEST(LightSelector, ReachesEveryLightThatArrives) {
     }
 }
 
+TEST(LightSelector, ReachesAllThatShineAlongARow) {
+    // Lamps in a row that look along it: what is beside the row is lit by those behind it, up to its own
+    // place.
+    ManyLights many;
+    constexpr int kLamps = 200;
+    for (int i = 0; i < kLamps; ++i)
+        many.area(makeDisk(Transform::translate({static_cast<float>(i) / kLamps, 0, 0}) *
+                               Transform::rotate({0, 1, 0}, 90) * Transform::scale(Vec3f(1e-4f)),
+                           false),
+                  Rgb(1.0f));
+    const LightSelector s = selector(many);
+    int arrived = 0;
+    for (const float side : {0.01f, 0.3f, 1.0f, 3.0f})
+        for (int k = 0; k < kLamps; k += 3) {
+            const Vec3f x((static_cast<float>(k) + 0.5f) / kLamps, side, 0);
+            for (uint32_t i = 0; i < many.lights.size(); ++i) {
+                if (!many.lights[i]->connect(x, {0.5f, 0.5f})) continue;
+                ++arrived;
+                ASSERT_GT(s.probability(x, i), 0) << "lamp " << i << " at " << x;
+            }
+        }
+    EXPECT_GT(arrived, 20000);
+}
+
 TEST(LightSelector, NeverTakesLightsThatCannotBeConnected) {
     ManyLights many = mixedLights(3, 7);
     many.lights.insert(many.lights.begin(), makeCollimatedLight({Transform(), Rgb(1e6f)}));

@@ -14,6 +14,7 @@ namespace {
 
 using test::ManyLights;
 using test::mixedLights;
+using test::randomPlace;
 using test::randomPoint;
 
 constexpr float kExtent = 10;
@@ -147,6 +148,31 @@ TEST(LightSelector, ReachesAllThatShineAlongARow) {
             }
         }
     EXPECT_GT(arrived, 20000);
+}
+
+TEST(LightSelector, ReachesFlatLampsThatLookSeveralWays) {
+    // Pairs side by side that look apart by up to 180 degrees, far from each other: a cluster's cone holds
+    // both.
+    ManyLights many;
+    CounterRng rng(hashKey(12));
+    for (int i = 0; i < 200; ++i) {
+        const Vec3f place(static_cast<float>(i / 2 * 10), 0, static_cast<float>(i % 2) * 0.1f);
+        many.area(makeDisk(Transform::translate(place) * randomPlace(rng, Vec3f(0.0f), 0) *
+                               Transform::scale(Vec3f(0.01f)),
+                           false),
+                  Rgb(1.0f));
+    }
+    const LightSelector s = selector(many);
+    int arrived = 0;
+    for (int k = 0; k < 2000; ++k) {
+        const Vec3f x = Vec3f(500, 0, 0) + randomPoint(rng, 500);
+        for (uint32_t i = static_cast<uint32_t>(k % 7); i < many.lights.size(); i += 7) {
+            if (!many.lights[i]->connect(x, {0.5f, 0.5f})) continue;
+            ++arrived;
+            ASSERT_GT(s.probability(x, i), 0) << "lamp " << i << " at " << x;
+        }
+    }
+    EXPECT_GT(arrived, 10000);
 }
 
 TEST(LightSelector, NeverTakesLightsThatCannotBeConnected) {
@@ -295,7 +321,7 @@ double varianceOnAFloor(int count) {
 }
 
 TEST(LightSelector, PrefersTheLightsThatCount) {
-    // Measured: 0.5; 12 without the cut; 2600 for a choice half by power, half evenly.
+    // Measured with 10,000: 0.5; 2 without the cut; 2600 for a choice half by power, half evenly.
     EXPECT_LT(varianceOnAFloor(100), 1);
     EXPECT_LT(varianceOnAFloor(10000), 1);
 }

@@ -47,14 +47,14 @@ void PixelImportance::update(const Film& film) {
 
 double PixelImportance::size(const SplatList& splats) const {
     double sum = 0;
-    for (const SplatList::PixelSplat& s : splats.pixels) sum += luminance(s.value) * values_[s.pixel];
+    for (const SplatList::PixelSplat& s : splats.pixels) sum += std::abs(luminance(s.value)) * values_[s.pixel];
     for (const SplatList::FilmSplat& s : splats.film) {
         // The filter spreads splats from around the window too: the nearest pixel stands for those.
         const int x = std::clamp(static_cast<int>(std::floor(s.position.x)) - window_.x, 0,
                                  window_.width - 1),
                   y = std::clamp(static_cast<int>(std::floor(s.position.y)) - window_.y, 0,
                                  window_.height - 1);
-        sum += luminance(s.value) * values_[size_t(y) * size_t(window_.width) + size_t(x)];
+        sum += std::abs(luminance(s.value)) * values_[size_t(y) * size_t(window_.width) + size_t(x)];
     }
     return sum;
 }

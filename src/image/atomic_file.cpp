@@ -42,10 +42,11 @@ void keepAs(const fs::path& file, const fs::path& name) {
     // Some network and removable file systems have no links.
     if (code) fs::copy_file(file, link, code);
     if (!code) fs::rename(link, name, code);
-    if (!code) return;
+    // rename(2) does nothing where `name` is the same file already: a process was killed between this and the
+    // commit.
     std::error_code ignored;
     fs::remove(link, ignored);
-    throw Error("cannot write '{}': {}", name.string(), code.message());
+    if (code) throw Error("cannot write '{}': {}", name.string(), code.message());
 }
 
 }  // namespace

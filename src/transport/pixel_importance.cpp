@@ -49,14 +49,15 @@ template <class Of>
 double PixelImportance::sum(const SplatList& splats, Of&& of) const {
     double sum = 0;
     for (const SplatList::PixelSplat& s : splats.pixels)
-        sum += of(double(luminance(s.value) * values_[s.pixel]));
+        sum += of(double(std::abs(luminance(s.value)) * values_[s.pixel]));
     for (const SplatList::FilmSplat& s : splats.film) {
         // The filter spreads splats from around the window too: the nearest pixel stands for those.
         const int x = std::clamp(static_cast<int>(std::floor(s.position.x)) - window_.x, 0,
                                  window_.width - 1),
                   y = std::clamp(static_cast<int>(std::floor(s.position.y)) - window_.y, 0,
                                  window_.height - 1);
-        sum += of(double(luminance(s.value) * values_[size_t(y) * size_t(window_.width) + size_t(x)]));
+        sum +=
+            of(double(std::abs(luminance(s.value)) * values_[size_t(y) * size_t(window_.width) + size_t(x)]));
     }
     return sum;
 }

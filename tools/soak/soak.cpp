@@ -1,7 +1,7 @@
 /// Renders random scenes with all integrators for some time, and counts what should not happen: crashes,
-/// hangs, values that are not finite in an image, memory that is lost, renderings that are another one after
-/// they were saved and resumed. A child process renders; when it dies, the next one goes on after the scene
-/// that ended it. Meant for a build with sanitizers (`make soak`).
+/// hangs, errors after a scene was read, values that are not finite in an image, memory that is lost,
+/// renderings that are another one after they were saved and resumed. A child process renders; when it dies,
+/// the next one goes on after the scene that ended it. Meant for a build with sanitizers (`make soak`).
 
 #include "base/clock.h"
 #include "base/error.h"
@@ -156,12 +156,18 @@ fs::path writeScene(const fs::path& folder, uint64_t seed) {
 void renderScene(const Settings& settings, uint64_t seed, const Reporter& reporter) {
     LoadOptions options;
     options.memoryBytes = uint64_t{1} << 30;
+    std::optional<Scene> scene;
     try {
-        const Scene scene(loadScene(writeScene(settings.folder, seed), options));
-        for (const std::string& integrator : settings.integrators)
-            render(settings, scene, integrator, seed, reporter);
+        scene.emplace(loadScene(writeScene(settings.folder, seed), options));
     } catch (const Error& error) {
-        reporter.say({{"refused", error.what()}});
+        return reporter.say({{"refused", error.what()}});
+    }
+    for (const std::string& integrator : settings.integrators) {
+        try {
+            render(settings, *scene, integrator, seed, reporter);
+        } catch (const Error& error) {
+            reporter.say({{"failed", error.what()}});
+        }
     }
 }
 
@@ -281,6 +287,8 @@ class Supervisor {
         } else if (message.contains("refused")) {
             ++refused_;
             fmt::print("scene {} refused: {}\n", next_, message["refused"].get<std::string>());
+        } else if (message.contains("failed")) {
+            problem(message["failed"].get<std::string>());
         } else if (message.contains("done")) {
             ++scenes_;
             resident_.push_back(message["resident_bytes"].get<uint64_t>());

@@ -218,5 +218,29 @@ TEST(Tonemap, NamesOfCurves) {
     EXPECT_EQ(toneCurveFromName("aces"), std::nullopt);
 }
 
+/// A process was killed after it had kept the old file by its second name, before the new one was there.
+TEST_F(ImageIo, ThePreviousFileIsKeptWhereItIsKeptAlready) {
+    const auto write = [&](const char* text) {
+        AtomicFile file(folder / "c");
+        std::ofstream(file.temporary()) << text;
+        file.commit(folder / "c.1");
+    };
+    const auto content = [&](const char* name) {
+        std::string text;
+        std::getline(std::ifstream(folder / name), text);
+        return text;
+    };
+    write("one");
+    EXPECT_EQ(fileCount(), 1u);
+    fs::create_hard_link(folder / "c", folder / "c.1");
+    write("two");
+    EXPECT_EQ(content("c"), "two");
+    EXPECT_EQ(content("c.1"), "one");
+    EXPECT_EQ(fileCount(), 2u) << "and nothing else";
+    write("three");
+    EXPECT_EQ(content("c.1"), "two");
+    EXPECT_EQ(fileCount(), 2u);
+}
+
 }  // namespace
 }  // namespace metrolux

@@ -76,7 +76,7 @@ void addStreamOptions(CLI::App& app, RenderArguments& a) {
            "Divide the rendering into S independent streams of passes. Under mpirun the ranks share\nthem; "
            "for given S, seed and passes the image is the same on any number of ranks")
         ->option_text("S")
-        ->check(wholeNumber<uint32_t>(1, 1 << 20))
+        ->check(wholeNumber<uint32_t>(1, kMostStreams))
         ->group(group);
     app.add_option("--only-streams", a.onlyStreams,
                    "Render these of the streams: the checkpoint is a part for `metrolux merge`")

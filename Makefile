@@ -90,6 +90,7 @@ gallery: build
 # All integrators on six hard scenes, a minute of processor time each, as web pages in study/: more than an hour.
 study: build
 	tools/study.sh study
+	tools/study_table.py study
 
 # The pictures of docs/integrators.md: two minutes of processor time.
 integrator-pictures: build

@@ -4,7 +4,8 @@
 #   tools/study.sh FOLDER [SCENE...]     scenes: vitrine water-sds torus veach-ajar veach-bidir door-ajar
 #
 # STUDY_TIME (60s), STUDY_THREADS (1), STUDY_SEEDS (1), STUDY_INTEGRATORS and METROLUX (build/metrolux) may be set. With
-# --clock cpu the machine need not be quiet. Scenes of ../shared are left out, with a message, where they are absent.
+# --clock cpu the machine need not be quiet. tools/study_table.py FOLDER makes the table.
+# Scenes of ../shared are left out, with a message, where they are absent.
 set -euo pipefail
 folder=${1:?a folder for the results}
 shift

@@ -55,7 +55,7 @@ void resume(const Checkpoint& checkpoint) {
         [&](uint32_t) { return makeIntegrator(name, smallScene(), optionsOf(algorithm)); },
         {kStreams, 0, kStreams - 1}, 0);
     integrator.restore(checkpoint.streams);
-    Film film(smallScene().camera().window(), ReconstructionFilter(ReconstructionFilter::Kind::Box, {}));
+    Film film = makeFilm(smallScene());
     StateReader reader(checkpoint.film);
     film.loadState(reader);
     reader.checkEnd();

@@ -207,8 +207,9 @@ class ReplicaLanes {
         }
     };
 
-    /// The square of what a value contributes with its weight in the mixture.
-    static double square(const Value& value, const ReplicaMixture& mix) {
+    /// The square of what a value contributes with its weight in the mixture, where the split asks for it.
+    double square(const Value& value, const ReplicaMixture& mix) const {
+        if (!settings_.measuredSplit) return 0;
         double squares = value.size * value.size;
         if constexpr (requires { value.squares; }) squares = value.squares;
         const double weight = mix.uniformWeight(value.size);

@@ -100,8 +100,8 @@ void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& res
     for (size_t i = 0; i < pixels.size(); ++i) result.starts_[i + 1] += result.starts_[i];
     result.vertices_.resize(result.starts_.back());
     parallelFor(chunks, [&](size_t chunk) {
-        std::copy(kept[chunk].begin(), kept[chunk].end(),
-                  result.vertices_.begin() + result.starts_[chunk * kChunk]);
+        std::uninitialized_copy(kept[chunk].begin(), kept[chunk].end(),
+                                result.vertices_.begin() + result.starts_[chunk * kChunk]);
         std::vector<Vertex>().swap(kept[chunk]);
     });
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include "base/uninitialized.h"
 #include "image/film.h"
 #include "sampling/sample_stream.h"
 #include "scene/scene.h"
@@ -35,7 +36,7 @@ class EyeVertices {
 
   private:
     friend struct EyePass;
-    std::vector<Vertex> vertices_;
+    UninitializedVector<Vertex> vertices_;
     std::vector<size_t> starts_;
 };
 

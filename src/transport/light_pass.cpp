@@ -10,6 +10,9 @@ namespace metrolux {
 
 namespace {
 
+/// Vertices of an eye subpath that are asked for before the light subpath is traced.
+constexpr size_t kPrefetched = 4;
+
 class LightVisitor final : public SubpathVisitor {
   public:
     LightVisitor(const LightPass& pass, std::span<const Vertex> partner, float connectionScale,
@@ -40,9 +43,14 @@ class LightVisitor final : public SubpathVisitor {
         if (v.bsdf().hasSmoothLobe()) {
             if (counted_) counted_->count(v.si.p);
             if (trail_) trail_->push_back(v.si.p);
+            // What is to be merged comes from memory while rays are traced for the rest.
+            const bool merges = pass_.merge && !pass_.grid.empty();
+            VertexGrid::Cells cells;
+            if (merges) cells = pass_.grid.locate(v.si.p);
             if (pass_.splat && v.depth < limit) splat(v);
+            if (merges) pass_.grid.prefetchEntries(cells);
             if (pass_.connect) connect(v, limit);
-            if (pass_.merge) merge(v, limit);
+            if (merges) merge(v, cells, limit);
         }
         return v.depth + 1 < limit;
     }
@@ -65,7 +73,7 @@ class LightVisitor final : public SubpathVisitor {
         }
     }
 
-    void merge(const Vertex& v, int limit) {
+    void merge(const Vertex& v, const VertexGrid::Cells& cells, int limit) {
         const Vertex* const eyes = pass_.eyes.all().data();
         // In batches, so that the vertices come from memory while others are looked for.
         std::array<uint32_t, 16> batch;
@@ -74,7 +82,7 @@ class LightVisitor final : public SubpathVisitor {
             for (size_t i = 0; i < size; ++i) merge(v, eyes[batch[i]], limit);
             size = 0;
         };
-        pass_.grid.query(v.si.p, [&](uint32_t index) {
+        pass_.grid.query(v.si.p, cells, [&](uint32_t index) {
             prefetch(eyes + index, sizeof(Vertex));
             batch[size++] = index;
             if (size == batch.size()) flush();
@@ -144,6 +152,7 @@ void LightPass::evaluate(SampleStream& stream, SplatList& splats, PhotonDensity*
     if (connect && eyes.subpathCount() > 0) {
         const size_t n = eyes.subpathCount();
         partner = eyes.subpath(std::min(static_cast<size_t>(double(uEye) * double(n)), n - 1));
+        prefetch(partner.data(), std::min(partner.size(), kPrefetched) * sizeof(Vertex));
     }
     trace(stream, partner, static_cast<float>(eyes.subpathCount()), splats, counted, trail);
 }

@@ -1,6 +1,7 @@
 #include "transport/photon_density.h"
 
-#include "base/rng.h"
+#include "base/parallel.h"
+#include "transport/cell_blocks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,12 +21,17 @@ PhotonDensity::PhotonDensity(double cell)
 
 size_t PhotonDensity::bucketOf(const Vec3f& p) const {
     const auto index = [this](float x) { return static_cast<int64_t>(std::floor(double(x) * inverseCell_)); };
-    return hashKey(index(p.x), index(p.y), index(p.z)) & (kBuckets - 1);
+    return cellblocks::bucket(kBuckets / cellblocks::kCells - 1, index(p.x), index(p.y), index(p.z));
 }
 
 void PhotonDensity::endIteration(double lightSubpaths) {
     lightSubpaths_ += lightSubpaths;
-    for (size_t i = 0; i < kBuckets; ++i) sums_[i] += counts_[i].exchange(0, std::memory_order_relaxed);
+    constexpr size_t kChunk = 16384;
+    static_assert(kBuckets % kChunk == 0);
+    parallelFor(kBuckets / kChunk, [&](size_t chunk) {
+        for (size_t i = chunk * kChunk; i < (chunk + 1) * kChunk; ++i)
+            sums_[i] += counts_[i].exchange(0, std::memory_order_relaxed);
+    });
     updateDensities();
 }
 

@@ -2,49 +2,57 @@
 
 #include "base/parallel.h"
 #include "base/prefetch.h"
-#include "base/rng.h"
+#include "transport/cell_blocks.h"
 
+#include <algorithm>
 #include <bit>
 
 namespace metrolux {
 
 namespace {
 
-/// Cells of a block, as many as starts_ fit in a cache line.
-constexpr uint32_t kBlockCells = 16;
+using cellblocks::kCells;
+/// Parts of the table that are sorted by themselves.
+constexpr uint32_t kSections = 64;
+/// Entries of a bucket that are asked for in advance: two cache lines.
+constexpr uint32_t kPrefetched = 8;
 
 }  // namespace
 
-uint32_t VertexGrid::bucketOf(int64_t x, int64_t y, int64_t z) const {
-    const uint32_t block = static_cast<uint32_t>(hashKey(x >> 2, y >> 1, z >> 1)) & blockMask_;
-    return block * kBlockCells + static_cast<uint32_t>((x & 3) | (y & 1) << 2 | (z & 1) << 3);
-}
-
-int VertexGrid::bucketsAround(const Vec3f& p, std::array<std::span<const Entry>, 8>& buckets) const {
-    int64_t low[3], high[3];
+VertexGrid::Cells VertexGrid::locate(const Vec3f& p) const {
+    // One or two cells along each axis. Their blocks' hashes share what they have in common, and no two cells
+    // have the same place in their blocks, so that all buckets differ, whatever the hashes.
+    std::array<std::array<int64_t, 2>, 3> cell;
+    std::array<uint32_t, 3> count;
     for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = static_cast<int64_t>(std::floor((double(p[axis]) - radius_) * inverseCell_));
-        high[axis] = static_cast<int64_t>(std::floor((double(p[axis]) + radius_) * inverseCell_));
+        const auto low = static_cast<int64_t>(std::floor((double(p[axis]) - radius_) * inverseCell_));
+        const auto high = static_cast<int64_t>(std::floor((double(p[axis]) + radius_) * inverseCell_));
+        cell[axis] = {low, high};
+        count[axis] = high > low ? 2 : 1;
     }
-    std::array<uint32_t, 8> touched;
-    int count = 0;
-    for (int64_t z = low[2]; z <= high[2]; ++z)
-        for (int64_t y = low[1]; y <= high[1]; ++y)
-            for (int64_t x = low[0]; x <= high[0]; ++x) {
-                const uint32_t bucket = bucketOf(x, y, z);
-                if (std::find(touched.begin(), touched.begin() + count, bucket) != touched.begin() + count)
-                    continue;
-                touched[count++] = bucket;
+    std::array<uint64_t, 2> keyX;
+    for (uint32_t x = 0; x < 2; ++x) keyX[x] = cellblocks::keyX(cell[0][x]);
+    std::array<uint64_t, 4> keyXY;
+    for (uint32_t i = 0; i < 4; ++i) keyXY[i] = cellblocks::keyY(keyX[i & 1], cell[1][i >> 1]);
+
+    Cells cells;
+    for (uint32_t z = 0; z < count[2]; ++z)
+        for (uint32_t y = 0; y < count[1]; ++y)
+            for (uint32_t x = 0; x < count[0]; ++x) {
+                const uint64_t key = cellblocks::keyZ(keyXY[2 * y + x], cell[2][z]);
+                const uint32_t bucket =
+                    cellblocks::bucket(key, blockMask_, cell[0][x], cell[1][y], cell[2][z]);
+                cells.buckets[cells.count++] = bucket;
                 prefetch(&starts_[bucket]);
             }
-    int filled = 0;
-    for (int i = 0; i < count; ++i) {
-        const uint32_t begin = starts_[touched[i]], end = starts_[touched[i] + 1];
-        if (begin == end) continue;
-        buckets[filled++] = {entries_.data() + begin, end - begin};
-        prefetch(entries_.data() + begin);
+    return cells;
+}
+
+void VertexGrid::prefetchEntries(const Cells& cells) const {
+    for (uint32_t c = 0; c < cells.count; ++c) {
+        const uint32_t begin = starts_[cells.buckets[c]], end = starts_[cells.buckets[c] + 1];
+        if (begin < end) prefetch(entries_.data() + begin, std::min(end - begin, kPrefetched) * sizeof(Entry));
     }
-    return filled;
 }
 
 template <class PositionOf>
@@ -55,25 +63,54 @@ void VertexGrid::buildFrom(size_t n, float radius, PositionOf&& positionOf) {
     inverseCell_ = 1.0 / (2.0 * double(radius) * (1.0 + 1e-6));
     entries_.resize(n);
     if (n == 0) return;
-    const uint32_t blocks = std::bit_ceil(static_cast<uint32_t>(n / kBlockCells + 1));
+    const uint32_t blocks = std::bit_ceil(static_cast<uint32_t>(n / kCells + 1));
     blockMask_ = blocks - 1;
-    starts_.assign(size_t(blocks) * kBlockCells + 1, 0);
+    starts_.resize(size_t(blocks) * kCells + 1);
 
-    std::vector<uint32_t> buckets(n);
+    const auto bucketOf = [&](const Vec3f& p) {
+        const auto cell = [&](float x) { return static_cast<int64_t>(std::floor(double(x) * inverseCell_)); };
+        return cellblocks::bucket(blockMask_, cell(p.x), cell(p.y), cell(p.z));
+    };
+    // Two stable counting sorts: by section, a range of buckets, then each section by bucket. Both run in
+    // parallel, and a section's counters and entries fit the cache.
+    const uint32_t sections = std::min(blocks, kSections);
+    const uint32_t sectionBuckets = blocks / sections * kCells;
+    const auto sectionOf = [shift = std::countr_zero(sectionBuckets)](uint32_t b) { return b >> shift; };
     constexpr size_t kChunk = 8192;
-    parallelFor((n + kChunk - 1) / kChunk, [&](size_t chunk) {
+    const size_t chunks = (n + kChunk - 1) / kChunk;
+    std::vector<std::array<uint32_t, kSections>> places(chunks);
+    UninitializedVector<uint32_t> buckets(n), bySection(n);  // bySection: indices
+    parallelFor(chunks, [&](size_t chunk) {
+        places[chunk].fill(0);
         for (size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
-            const Vec3f& p = positionOf(i);
-            const auto cell = [&](float x) {
-                return static_cast<int64_t>(std::floor(double(x) * inverseCell_));
-            };
-            buckets[i] = bucketOf(cell(p.x), cell(p.y), cell(p.z));
+            buckets[i] = bucketOf(positionOf(i));
+            ++places[chunk][sectionOf(buckets[i])];
         }
     });
-    for (const uint32_t b : buckets) ++starts_[b + 1];
-    for (size_t b = 1; b < starts_.size(); ++b) starts_[b] += starts_[b - 1];
-    std::vector<uint32_t> next(starts_.begin(), starts_.end() - 1);
-    for (size_t i = 0; i < n; ++i) entries_[next[buckets[i]]++] = {positionOf(i), static_cast<uint32_t>(i)};
+    std::array<uint32_t, kSections + 1> sectionStarts{};
+    uint32_t sum = 0;
+    for (uint32_t s = 0; s < sections; ++s) {
+        sectionStarts[s] = sum;
+        for (auto& place : places) sum += std::exchange(place[s], sum);
+    }
+    sectionStarts[sections] = sum;
+    parallelFor(chunks, [&](size_t chunk) {
+        for (size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i)
+            bySection[places[chunk][sectionOf(buckets[i])]++] = static_cast<uint32_t>(i);
+    });
+    parallelFor(sections, [&](size_t s) {
+        const std::span<const uint32_t> section(bySection.data() + sectionStarts[s],
+                                                sectionStarts[s + 1] - sectionStarts[s]);
+        // Counts, then the next free place of each bucket, which ends as the start of the one after.
+        const auto next = starts_.begin() + static_cast<ptrdiff_t>(s * sectionBuckets) + 1;
+        std::fill(next, next + sectionBuckets, 0);
+        const auto bucketInSection = [&](uint32_t i) { return buckets[i] & (sectionBuckets - 1); };
+        for (const uint32_t i : section) ++next[bucketInSection(i)];
+        uint32_t place = sectionStarts[s];
+        for (uint32_t b = 0; b < sectionBuckets; ++b) place += std::exchange(next[b], place);
+        for (const uint32_t i : section) std::construct_at(&entries_[next[bucketInSection(i)]++], Entry{positionOf(i), i});
+    });
+    starts_[0] = 0;
 }
 
 void VertexGrid::build(std::span<const Vertex> vertices, float radius) {

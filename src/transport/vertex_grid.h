@@ -1,4 +1,5 @@
 #pragma once
+#include "base/uninitialized.h"
 #include "transport/vertex.h"
 
 #include <tbb/cache_aligned_allocator.h>
@@ -10,9 +11,8 @@
 namespace metrolux {
 
 /// Hash grid over the eye vertices (or other points) of an iteration, counting-sorted into buckets. Cells are
-/// two radii wide, so that a ball of one radius touches at most eight of them. Blocks of 4 x 2 x 2 cells are
-/// hashed as one and their buckets lie side by side in a cache line: these eight cells are in three lines on
-/// average.
+/// two radii wide, so that a ball of one radius touches at most eight of them, which are in three blocks of
+/// cells (transport/cell_blocks.h) on average.
 class VertexGrid {
   public:
     /// Keeps positions and indices, not the vertices. `radius` > 0, finite.
@@ -28,16 +28,37 @@ class VertexGrid {
     /// vertices only.
     template <class Visit>
     void query(const Vec3f& p, Visit&& visit) const {
-        findWithin(p, [&](const Entry& e) {
-            visit(e.index);
-            return false;
-        });
+        if (empty()) return;
+        const Cells cells = locate(p);
+        prefetchEntries(cells);
+        query(p, cells, visit);
     }
 
     /// Whether any vertex lies within the radius of p.
     bool anyWithin(const Vec3f& p) const {
-        return findWithin(p, [](const Entry&) { return true; });
+        if (empty()) return false;
+        const Cells cells = locate(p);
+        prefetchEntries(cells);
+        return findWithin(p, cells, [](const Entry&) { return true; });
     }
+
+    /// The buckets of the cells that a ball touches, all different.
+    struct Cells {
+        std::array<uint32_t, 8> buckets;
+        uint32_t count = 0;
+    };
+    /// A query in three steps, between which a caller with other work has it done while memory answers:
+    /// locate(), prefetchEntries() and query() with their result. Not when empty().
+    Cells locate(const Vec3f& p) const;
+    void prefetchEntries(const Cells& cells) const;
+    template <class Visit>
+    void query(const Vec3f& p, const Cells& cells, Visit&& visit) const {
+        findWithin(p, cells, [&](const Entry& e) {
+            visit(e.index);
+            return false;
+        });
+    }
+    bool empty() const { return entries_.empty(); }
 
   private:
     struct Entry {
@@ -48,25 +69,22 @@ class VertexGrid {
     void buildFrom(size_t n, float radius, PositionOf&& positionOf);
     /// Calls accept(entry) for those within the radius until it returns true; returns whether it did.
     template <class Accept>
-    bool findWithin(const Vec3f& p, Accept&& accept) const {
-        if (entries_.empty()) return false;
-        std::array<std::span<const Entry>, 8> buckets;
-        const int count = bucketsAround(p, buckets);
-        for (int b = 0; b < count; ++b)
-            for (const Entry& e : buckets[b])
+    bool findWithin(const Vec3f& p, const Cells& cells, Accept&& accept) const {
+        for (uint32_t c = 0; c < cells.count; ++c) {
+            const uint32_t bucket = cells.buckets[c], end = starts_[bucket + 1];
+            for (uint32_t i = starts_[bucket]; i < end; ++i) {
+                const Entry& e = entries_[i];
                 if (lengthSquared(e.position - p) <= radiusSquared_ && accept(e)) return true;
+            }
+        }
         return false;
     }
-    uint32_t bucketOf(int64_t x, int64_t y, int64_t z) const;
-    /// Distinct non-empty buckets of the cells that the ball around p touches: cells that hash alike are
-    /// visited once.
-    int bucketsAround(const Vec3f& p, std::array<std::span<const Entry>, 8>& buckets) const;
 
     float radius_ = 0, radiusSquared_ = 0;
     double inverseCell_ = 0;
-    uint32_t blockMask_ = 0;
+    uint32_t blockMask_ = 0;  ///< number of blocks, a power of two, less one
     std::vector<uint32_t, tbb::cache_aligned_allocator<uint32_t>> starts_;
-    std::vector<Entry> entries_;
+    UninitializedVector<Entry> entries_;
 };
 
 }  // namespace metrolux

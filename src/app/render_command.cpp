@@ -88,11 +88,13 @@ int renderOn(Team* team, RenderArguments& a, std::optional<Checkpoint> before) {
         limits = scene.parts().limits;
         if (a.maxDepth) limits.maxDepth = *a.maxDepth;
         if (!a.session.checkpoint.file.empty() || team) a.session.checkpoint.scene = sceneIdentity(a, files);
+        const std::string integrator = integratorName(a.session.integrator, scene);
+        if (a.session.integrator == "scene") warnOfUnusedOptions(a, integrator);
         RenderSession session(scene, a.session);
         if (before) session.restore(*std::move(before));
         const FilmWindow& window = scene.camera().window();
         spdlog::info("{}: {}x{} pixels, integrator {}, {} threads", a.scene, window.width, window.height,
-                     a.session.integrator, limit.threads());
+                     integrator, limit.threads());
         ProgressReporter progress(ProgressReporter::modeFor(stderr, a.quiet));
         const SessionResult result = team ? session.runTogether(*team, progress, interruptRequested)
                                           : session.run(progress, interruptRequested);

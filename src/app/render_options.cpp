@@ -177,6 +177,12 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->option_text("G")
         ->check(CLI::Range(1.0, 1e6))
         ->group(group);
+    app.add_option("--connections", integrator.connections,
+                   "bdpt, vcm, mcmc_vcm: share of the light subpaths that are connected with an eye subpath\n"
+                   "(default: 1; mcmc_vcm: 0.0625); changes noise, not brightness")
+        ->option_text("C")
+        ->check(CLI::Range(1e-6, 1.0))
+        ->group(group);
     app.add_option("--split", a.split,
                    "mcmc_vcm, vpt, split_mcmc: parts of the replicas u/v/f in the samples (default: 1/1/1);\n"
                    "`auto` (mcmc_vcm): by the noise that each replica makes")
@@ -218,7 +224,7 @@ void addMachineOptions(CLI::App& app, RenderArguments& a) {
         ->check(wholeNumber(1, 4096))
         ->group(group);
     app.add_option("--memory", a.memory,
-                   "What an iteration may store: 4G, 512M (default: 1536M); larger images\nare made of more "
+                   "What an iteration may store: 4G, 512M (default: 1408M); larger images\nare made of more "
                    "iterations a pass")
         ->option_text("SIZE")
         ->group(group);
@@ -228,7 +234,7 @@ namespace {
 
 /// A fixed number, because the image depends on it: more memory of the machine must not change it. Keeps
 /// 1920x1080 pixels of eight vertices each below 2.5 GB in all.
-constexpr size_t kDefaultMemory = size_t{1536} << 20;
+constexpr size_t kDefaultMemory = size_t{1408} << 20;
 
 void checkReplicas(const std::string& replicas) {
     if (replicas.empty() || replicas.find_first_not_of("uvf") != std::string::npos)
@@ -258,8 +264,9 @@ void checkIntegratorName(const std::string& name) {
                 nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
 }
 
-/// Options that only some integrators know, and who they are. Values that are the default's do no harm.
-void warnOfUnusedOptions(const RenderArguments& a) {
+}  // namespace
+
+void warnOfUnusedOptions(const RenderArguments& a, const std::string& integrator) {
     const IntegratorOptions& o = a.session.integratorOptions;
     const IntegratorOptions unset;
     const std::string chains = "mcmc_vcm vpt split_mcmc", metropolis = "pssmlt mmlt pssmlt_merge";
@@ -274,6 +281,7 @@ void warnOfUnusedOptions(const RenderArguments& a) {
         {"--large-step", o.largeStep != unset.largeStep, metropolis},
         {"--method", o.mergeMethod != unset.mergeMethod, "pssmlt_merge"},
         {"--chain-inefficiency", o.chainInefficiency != unset.chainInefficiency, chains},
+        {"--connections", o.connections.has_value(), "bdpt vcm mcmc_vcm"},
         {"--split", !a.split.empty(), chains},
         {"--target", o.target != unset.target, "mcmc_vcm"},
         {"--normalisation", o.normalisation != unset.normalisation, "mcmc_vcm"},
@@ -282,13 +290,9 @@ void warnOfUnusedOptions(const RenderArguments& a) {
         {"--lanes", o.lanes > 0, chains + " " + metropolis},
     };
     for (const auto& use : uses)
-        if (use.given &&
-            (" " + use.integrators + " ").find(" " + a.session.integrator + " ") == std::string::npos)
-            spdlog::warn("{} has no effect on {}: it is for {}", use.option, a.session.integrator,
-                         use.integrators);
+        if (use.given && (" " + use.integrators + " ").find(" " + integrator + " ") == std::string::npos)
+            spdlog::warn("{} has no effect on {}: it is for {}", use.option, integrator, use.integrators);
 }
-
-}  // namespace
 
 void prepareAlgorithm(RenderArguments& a) {
     IntegratorOptions& options = a.session.integratorOptions;
@@ -306,7 +310,7 @@ void prepareAlgorithm(RenderArguments& a) {
     if (a.normalisation == "bennett") options.normalisation = NormalisationMethod::Bennett;
     options.pooledTheta = a.theta == "pooled";
     checkIntegratorName(a.session.integrator);
-    if (a.session.integrator != "scene") warnOfUnusedOptions(a);
+    if (a.session.integrator != "scene") warnOfUnusedOptions(a, a.session.integrator);
 }
 
 void prepareOutputs(RenderArguments& a) {

@@ -42,6 +42,9 @@ void addMachineOptions(CLI::App& app, RenderArguments& a);
 /// Checks the values of the algorithm's options and completes session.integratorOptions, but for the path
 /// limits, which need the scene. Throws Error.
 void prepareAlgorithm(RenderArguments& a);
+/// Warns of options of the algorithm that this integrator does not know (values that are the default's do no
+/// harm). prepareAlgorithm() does, unless the scene names the integrator.
+void warnOfUnusedOptions(const RenderArguments& a, const std::string& integrator);
 /// Checks what is named for output, before anything expensive begins. Throws Error.
 void prepareOutputs(RenderArguments& a);
 /// All of it for `render`: values and outputs, before anything expensive begins. Throws Error.

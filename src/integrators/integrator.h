@@ -34,6 +34,9 @@ struct IntegratorOptions {
     /// value is unbiased.
     double chainInefficiency = 4;
     bool correlationAware = true;          ///< vcm, mcmc_vcm: Strategies::mergeShare()
+    /// bdpt, vcm, mcmc_vcm: share of the light subpaths that are connected with an eye subpath, in (0, 1];
+    /// absent: the integrator's own. Any value is unbiased.
+    std::optional<double> connections;
     char mergeMethod = 'B';                ///< pssmlt_merge: method of the supplement's 4.1.1, 'B' or 'A'
     int lanes = 0;                         ///< chains: number of independent lanes; 0: default
     std::array<double, 3> split{1, 1, 1};  ///< mcmc_vcm, vpt, split_mcmc: n_U : n_V : n_F

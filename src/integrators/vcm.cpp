@@ -25,8 +25,9 @@ class VcmIntegrator final : public Resumable<VcmIntegrator, IteratedIntegrator> 
   private:
     void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size()), r = radius_.radius();
-        const Strategies strategies =
+        Strategies strategies =
             Strategies::bidirectional(1, merge_ ? n * std::numbers::pi * r * r : 0, photons_.get());
+        strategies.connect = options_.connections.value_or(1);
         EyePass{scene_, options_.limits, strategies, options_.seed, film.passIndex()}.run(pixels, film,
                                                                                           eyes_);
         if (merge_) grid_.build(eyes_.all(), static_cast<float>(r));

@@ -101,6 +101,7 @@ nlohmann::json RenderSession::identity() const {
         {"theta", o.pooledTheta ? "pooled" : "lane"},
         {"lanes", o.lanes},
         {"iterations_per_pass", PixelPartition(w, o).parts()}};
+    if (o.connections) algorithm["connections"] = *o.connections;
     if (o.kernel) algorithm["kernel"] = *o.kernel == MutationKernel::Kind::Adaptive ? "adaptive" : "kelemen";
     if (o.replicas) algorithm["replicas"] = *o.replicas;
     return {{"version", options_.version},

@@ -13,8 +13,12 @@ constexpr uint32_t kCells = 1 << (kShiftX + kShiftY + kShiftZ);
 /// Hash of the block of a cell, which may be made of parts that several cells share:
 /// keyZ(keyY(keyX(x), y), z).
 constexpr uint64_t keyX(int64_t x) { return hashKey(x >> kShiftX); }
-constexpr uint64_t keyY(uint64_t key, int64_t y) { return extendKey(key, static_cast<uint64_t>(y >> kShiftY)); }
-constexpr uint64_t keyZ(uint64_t key, int64_t z) { return extendKey(key, static_cast<uint64_t>(z >> kShiftZ)); }
+constexpr uint64_t keyY(uint64_t key, int64_t y) {
+    return extendKey(key, static_cast<uint64_t>(y >> kShiftY));
+}
+constexpr uint64_t keyZ(uint64_t key, int64_t z) {
+    return extendKey(key, static_cast<uint64_t>(z >> kShiftZ));
+}
 
 /// Index of a cell in a table of blockMask + 1 blocks, a power of two. Cells with different places in their
 /// blocks never have the same.

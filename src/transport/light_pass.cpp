@@ -147,14 +147,15 @@ void LightPass::evaluate(SampleStream& stream, SplatList& splats, PhotonDensity*
     stream.seek(0);
     stream.skip(kEyeSubpathCoordinate);
     const float uEye = stream.next1D();
-    // One eye subpath of N is picked: its pixel's share stands for all.
+    // One eye subpath of N is picked, by a share of the light subpaths: its pixel's share stands for all.
     std::span<const Vertex> partner;
-    if (connect && eyes.subpathCount() > 0) {
+    const double share = strategies.connect;
+    if (connect && eyes.subpathCount() > 0 && double(uEye) < share) {
         const size_t n = eyes.subpathCount();
-        partner = eyes.subpath(std::min(static_cast<size_t>(double(uEye) * double(n)), n - 1));
+        partner = eyes.subpath(std::min(static_cast<size_t>(double(uEye) / share * double(n)), n - 1));
         prefetch(partner.data(), std::min(partner.size(), kPrefetched) * sizeof(Vertex));
     }
-    trace(stream, partner, static_cast<float>(eyes.subpathCount()), splats, counted, trail);
+    trace(stream, partner, static_cast<float>(double(eyes.subpathCount()) / share), splats, counted, trail);
 }
 
 void LightPass::trace(SampleStream& stream, std::span<const Vertex> partner, float connectionScale,

@@ -18,7 +18,9 @@ namespace metrolux {
 /// behaviour switch. `merge` is eta = N pi r^2; `hitNee` is 1 / lambda.
 struct Strategies {
     double hitNee = 1;
-    double connect = 1;  ///< connections of inner vertices; 0 for path tracing
+    /// Connections of inner vertices: share of the light subpaths that are connected with an eye subpath. 0
+    /// for path tracing.
+    double connect = 1;
     double merge = 0;
     /// Density of the light subpaths' vertices, for mergeShare(); null: every merge counts in full.
     const PhotonDensity* photons = nullptr;
@@ -38,6 +40,10 @@ struct Strategies {
         if (!photons || !(merge > 0)) return 1;
         return 1 / std::max(1.0, merge / hitNee * photons->at(p));
     }
+
+    /// Samples of a technique of a subpath's ends for each connection: dVCM counts in these, as everywhere
+    /// but at the ends it stands for connections. (Where there are none it stands for nothing.)
+    double perConnection(double samples) const { return connect > 0 ? samples / connect : samples; }
 
     static Strategies path() { return {1, 0, 0, nullptr, 0}; }
     /// Eye subpaths that find lights by hitting them only.
@@ -84,19 +90,19 @@ struct MisState {
 
     /// Eye subpath after its first ray; `pdfDirection` per solid angle over the whole film.
     static MisState startEye(const Strategies& n, double pdfDirection) {
-        return {n.splat / pdfDirection, 0, 0};
+        return {n.perConnection(n.splat) / pdfDirection, 0, 0};
     }
 
     /// Eye subpath of a camera without position (orthographic): density per area on the film plane.
     static MisState startEyeInfinite(const Strategies& n, double pdfPosition) {
-        return {n.splat / pdfPosition, 0, 0};
+        return {n.perConnection(n.splat) / pdfPosition, 0, 0};
     }
 
     /// Light subpath on arrival at its first surface point x1: TR eq. 34-36 with the counts of nee and hit.
     /// Takes the place of start and arrive, because the density of next-event estimation may depend on x1.
     static MisState arriveFromLight(const Strategies& n, const LightEdge& e, double emissionOverConnection) {
         MisState s;
-        s.dVCM = n.hitNee / emissionOverConnection;
+        s.dVCM = n.perConnection(n.hitNee) / emissionOverConnection;
         if (!e.delta) {
             const double cosine = e.kind == EndpointKind::Surface ? e.cosineLight : 1.0;
             s.dVC = n.hitNee * cosine / (e.position * e.direction * e.cosineSurface);
@@ -114,12 +120,11 @@ struct MisState {
 
     /// Scattering by a smooth lobe: TR eq. 31-33. `cosine` is that of the outgoing direction with the
     /// geometric normal; densities per solid angle; `share`: of merging at this vertex.
-    void scatter(const Strategies& n, double cosine, double pdfForward, double pdfReverse,
-                 bool firstVertexOfLight, double share = 1) {
+    void scatter(const Strategies& n, double cosine, double pdfForward, double pdfReverse, double share = 1) {
         const double g = cosine / pdfForward;
-        const double previous = (firstVertexOfLight ? 1.0 : n.connect) * dVCM;
+        const double previous = n.connect * dVCM;
         dVC = g * (n.merge * share + previous + pdfReverse * dVC);
-        dVM = n.merge > 0 ? g * (share + dVCM / n.merge + pdfReverse * dVM) : 0;
+        dVM = n.merge > 0 ? g * (share + previous / n.merge + pdfReverse * dVM) : 0;
         dVCM = 1.0 / pdfForward;
     }
 
@@ -154,7 +159,7 @@ inline double neeWeight(const Strategies& n, const MisState& eye, const LightEdg
 /// Weight of connecting a light vertex to the camera: TR eq. 46. `cameraArea`: density per area with which
 /// the camera samples the vertex; `pdfLight`: reverse density at the vertex.
 inline double splatWeight(const Strategies& n, const MisState& light, double cameraArea, double pdfLight) {
-    return 1.0 / (1.0 + cameraArea / n.splat * (n.merge + light.dVCM + pdfLight * light.dVC));
+    return 1.0 / (1.0 + cameraArea / n.splat * (n.merge + n.connect * light.dVCM + pdfLight * light.dVC));
 }
 
 /// Weight of connecting two inner vertices: TR eq. 40-42. `lightArea`: density per area with which the eye
@@ -163,17 +168,18 @@ inline double splatWeight(const Strategies& n, const MisState& light, double cam
 inline double connectWeight(const Strategies& n, const MisState& light, const MisState& eye, double lightArea,
                             double eyeArea, double pdfLight, double pdfEye, double lightShare = 1,
                             double eyeShare = 1) {
-    const double lightSide = lightArea * (n.merge * lightShare + light.dVCM + pdfLight * light.dVC);
-    const double eyeSide = eyeArea * (n.merge * eyeShare + eye.dVCM + pdfEye * eye.dVC);
-    return 1.0 / (1.0 + lightSide + eyeSide);
+    const double lightSide =
+        lightArea * (n.merge * lightShare + n.connect * light.dVCM + pdfLight * light.dVC);
+    const double eyeSide = eyeArea * (n.merge * eyeShare + n.connect * eye.dVCM + pdfEye * eye.dVC);
+    return n.connect / (n.connect + lightSide + eyeSide);
 }
 
 /// Weight of merging: TR eq. 37-39. At the eye vertex, `pdfLight` is the density of the direction toward the
 /// light subpath's predecessor given the eye's, `pdfEye` the converse, `share` that of merging.
 inline double mergeWeight(const Strategies& n, const MisState& light, const MisState& eye, double pdfLight,
                           double pdfEye, double share = 1) {
-    const double lightSide = light.dVCM / n.merge + pdfLight * light.dVM;
-    const double eyeSide = eye.dVCM / n.merge + pdfEye * eye.dVM;
+    const double lightSide = n.connect * light.dVCM / n.merge + pdfLight * light.dVM;
+    const double eyeSide = n.connect * eye.dVCM / n.merge + pdfEye * eye.dVM;
     return share / (share + lightSide + eyeSide);
 }
 

@@ -54,8 +54,7 @@ bool scatter(const Walk& walk, const Vertex& v, Ray& ray, Rgb& throughput, MisSt
             solidAngleRatio = absCosTheta(known) / (double(absCosTheta(s->direction)) * s->eta * s->eta);
         mis.scatterDelta(cosine, s->pdfReverse / s->pdfForward, solidAngleRatio);
     } else {
-        const bool firstOfLight = walk.mode == TransportMode::Importance && v.depth == 1;
-        mis.scatter(walk.strategies, cosine, s->pdfForward, s->pdfReverse, firstOfLight, v.mergeShare);
+        mis.scatter(walk.strategies, cosine, s->pdfForward, s->pdfReverse, v.mergeShare);
     }
     ray = {offsetRayOrigin(v.si.p, v.si.ng, direction), direction, kInfinity};
     return true;

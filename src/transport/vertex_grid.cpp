@@ -51,7 +51,8 @@ VertexGrid::Cells VertexGrid::locate(const Vec3f& p) const {
 void VertexGrid::prefetchEntries(const Cells& cells) const {
     for (uint32_t c = 0; c < cells.count; ++c) {
         const uint32_t begin = starts_[cells.buckets[c]], end = starts_[cells.buckets[c] + 1];
-        if (begin < end) prefetch(entries_.data() + begin, std::min(end - begin, kPrefetched) * sizeof(Entry));
+        if (begin < end)
+            prefetch(entries_.data() + begin, std::min(end - begin, kPrefetched) * sizeof(Entry));
     }
 }
 
@@ -108,7 +109,8 @@ void VertexGrid::buildFrom(size_t n, float radius, PositionOf&& positionOf) {
         for (const uint32_t i : section) ++next[bucketInSection(i)];
         uint32_t place = sectionStarts[s];
         for (uint32_t b = 0; b < sectionBuckets; ++b) place += std::exchange(next[b], place);
-        for (const uint32_t i : section) std::construct_at(&entries_[next[bucketInSection(i)]++], Entry{positionOf(i), i});
+        for (const uint32_t i : section)
+            std::construct_at(&entries_[next[bucketInSection(i)]++], Entry{positionOf(i), i});
     });
     starts_[0] = 0;
 }

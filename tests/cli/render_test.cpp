@@ -148,6 +148,9 @@ TEST_F(CliTest, OptionsThatTheIntegratorDoesNotKnowAreWarnedOf) {
     EXPECT_THAT(warnings({"-i", "pssmlt", "--split", "1/1/2"}), HasSubstr("--split has no effect on pssmlt"));
     EXPECT_THAT(warnings({"-i", "bdpt", "--radius", "0.1"}), HasSubstr("--radius has no effect on bdpt"));
     EXPECT_THAT(warnings({"-i", "vpt", "--target", "relative"}), HasSubstr("--target has no effect on vpt"));
+    EXPECT_THAT(warnings({"-i", "path", "--connections", "0.5"}),
+                HasSubstr("--connections has no effect on path"));
+    EXPECT_THAT(warnings({"-i", "scene", "--radius", "0.1"}), HasSubstr("--radius has no effect on path"));
     EXPECT_THAT(warnings({"-i", "pssmlt", "--large-step", "0.5", "--lanes", "2", "--kernel", "adaptive"}),
                 testing::Not(HasSubstr("no effect")));
     EXPECT_THAT(warnings({"--split", "auto", "--radius", "0.1", "--replicas", "uvf"}),

@@ -1,9 +1,9 @@
 /// Recursive MIS weights against brute force: for random paths of every technique, the weight that transport/
 /// applies is compared with one made of the products of all densities along the path (ALGORITHM.md section
 /// 1), and the weights of all techniques of one path must sum to one. Deterministic: fixed seeds. 99.9 % of
-/// the paths must agree to 1e-4 (relative) and all to 2e-3: vertices are single precision, and refraction
-/// magnifies the rounding of a few. A wrong cosine, count or index of refraction shows as deviations of 1e-2
-/// to 1 in most paths.
+/// the paths must agree to 1e-4 (relative) and all to 2e-3 (8e-3 where a quarter of the light subpaths is
+/// connected): vertices are single precision, and refraction magnifies the rounding of a few. A wrong cosine,
+/// count or index of refraction shows as deviations of 1e-2 to 1 in most paths.
 
 #include "sampling/streams.h"
 #include "scattering/fresnel.h"
@@ -148,7 +148,7 @@ class BruteForce {
         if (!path.light->isDelta()) density[{"hit", 0}] = n_.hitNee * product(0);
         if (smooth(1)) density[{"nee", 1}] = n_.hitNee * nee0 * product(0) / backward[0];
         for (int s = 2; s <= m; ++s)
-            if (smooth(s - 1) && smooth(s)) density[{"connect", s}] = product(s);
+            if (smooth(s - 1) && smooth(s)) density[{"connect", s}] = n_.connect * product(s);
         if (m >= 1 && smooth(m)) density[{"splat", m + 1}] = n_.splat * product(m + 1);
         if (n_.merge > 0) {
             bool certain = true;  // only delta scattering between x_s and the camera
@@ -254,10 +254,11 @@ double ratio(const Rgb& a, const Rgb& b) {
     return luminance(b) > 0 ? double(luminance(a)) / luminance(b) : -1;
 }
 
-class MisOracle : public ::testing::TestWithParam<std::tuple<Lighting, bool>> {};
+/// Lighting, whether there is merging, Strategies::connect.
+class MisOracle : public ::testing::TestWithParam<std::tuple<Lighting, bool, double>> {};
 
 TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
-    const auto [lighting, merging] = GetParam();
+    const auto [lighting, merging, connect] = GetParam();
     const std::shared_ptr<Scene> scenePtr = makeScene(lighting);
     const Scene& scene = *scenePtr;
     const PathLimits limits = scene.parts().limits;
@@ -272,8 +273,9 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
         for (const Vertex& v : subpath.vertices) photons.count(v.si.p);
     }
     photons.endIteration(0.01 * kPhotonSubpaths);  // as if a hundred times as dense
-    const Strategies n = Strategies::bidirectional(
-        3.7, merging ? pixels * std::numbers::pi * radius * radius : 0, &photons, 0.3);
+    Strategies n = Strategies::bidirectional(3.7, merging ? pixels * std::numbers::pi * radius * radius : 0,
+                                             &photons, 0.3);
+    n.connect = connect;
     int reduced = 0;  // vertices whose share is less than one
     // With this every other technique vanishes from the weight: the contribution itself.
     const Strategies alone{1e30, 1, 0, nullptr};
@@ -427,7 +429,7 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
                 if (!(s.pdfForward > 0)) continue;
                 joined.mis = e[b - 1].mis;
                 joined.mis.scatter(n, absDot(joined.toPrevious, e[b - 1].si.ng), s.pdfForward, s.pdfReverse,
-                                   false, e[b - 1].mergeShare);
+                                   e[b - 1].mergeShare);
             }
             joined.mergeShare = b == 0 ? 1.0f : static_cast<float>(n.mergeShare(joined.si.p));
             joined.mis.arrive(d2, cosine);
@@ -453,7 +455,9 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
         std::vector<double>& d = deviations[name];
         std::sort(d.begin(), d.end());
         EXPECT_LT(d[d.size() * 999 / 1000], 1e-4) << name << " over " << count << " paths";
-        EXPECT_LT(d.back(), 2e-3) << name << " over " << count << " paths";
+        // Rounding changes the sum of the others; how much of that a weight feels grows as it is made
+        // smaller.
+        EXPECT_LT(d.back(), 2e-3 / connect) << name << " over " << count << " paths";
     }
     EXPECT_LT(worstSum, 1e-9);
     if (merging) {
@@ -465,7 +469,7 @@ INSTANTIATE_TEST_SUITE_P(AllLights, MisOracle,
                          ::testing::Combine(::testing::Values(Lighting::Area, Lighting::SphereArea,
                                                               Lighting::Point, Lighting::Directional,
                                                               Lighting::Constant),
-                                            ::testing::Bool()));
+                                            ::testing::Bool(), ::testing::Values(1.0, 0.25)));
 
 }  // namespace
 }  // namespace metrolux

@@ -155,6 +155,31 @@ TEST_P(Furnace, ASphereLightInTheMiddleOfASphere) {
     }
 }
 
+TEST(Connections, AnyShareOfThemGivesTheSameBrightness) {
+    // The sphere light of above, two bounces of diffuse light: hit, nee, splat, connect and merge all take
+    // part.
+    constexpr float kAlbedo = 0.6f, kLightRadius = 0.2f, kRadiance = 10;
+    SceneBuilder b;
+    b.add(makeSphere(Transform(), {0, 0, 0}, 1, true), diffuse(kAlbedo));
+    b.emit(b.add(makeSphere(Transform(), {0, 0, 0}, kLightRadius, false), diffuse(0)), Rgb(kRadiance));
+    b.camera({0.7f, 0.1f, -0.4f}, {0.7f, 0.2f, 1}, 60, 32, 32);
+    b.limits().maxDepth = 4;
+    b.limits().rouletteDepth = 100;
+    const std::shared_ptr<Scene> scene = b.build();
+    const double expected =
+        lightUpTo(4, kRadiance * sqr(kLightRadius) * kAlbedo, kAlbedo * (1 - sqr(kLightRadius)));
+    for (const char* integrator : {"bdpt", "vcm", "mcmc_vcm"})
+        for (const double share : {1.0, 0.2, 0.01}) {
+            RenderSetup s;
+            s.integrator = integrator;
+            s.passes = 16;
+            s.radius = kMergingRadius;
+            s.connections = share;
+            s.columns = s.rows = 1;
+            expectRadiance(renderSeeds(*scene, s), expected, 0.03, fmt::format("{}, {}", integrator, share));
+        }
+}
+
 TEST(McmcVcm, NoPassIsDarkerOrBrighterThanTheOthers) {
     // A target that changes with the eye vertices and shrinks with the radius: caustic light seen through
     // glass, found by merging only. What was found by this test: 50 % (second pass, b_F of other weights), 17

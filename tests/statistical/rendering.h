@@ -32,6 +32,7 @@ struct RenderSetup {
     std::string integrator;
     int passes = 16;
     double radius = 0;  ///< merging radius; 0: the default
+    std::optional<double> connections;
     int columns = 3, rows = 3;
     ReconstructionFilter::Kind filter = ReconstructionFilter::Kind::Box;
     uint64_t seed = 1;
@@ -41,6 +42,7 @@ inline std::vector<float> renderImage(const Scene& scene, const RenderSetup& set
     IntegratorOptions options;
     options.limits = scene.parts().limits;
     options.radius = setup.radius;
+    options.connections = setup.connections;
     options.seed = seed;
     Film film(scene.camera().window(), ReconstructionFilter(setup.filter, {}));
     const std::unique_ptr<Integrator> integrator = makeIntegrator(setup.integrator, scene, options);

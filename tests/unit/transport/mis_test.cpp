@@ -25,7 +25,7 @@ TEST(Mis, PathTracingKnowsHitAndNeeOnly) {
     EXPECT_NEAR(nee, pl / (pl + pb), 1e-12);
 
     MisState after = eye;
-    after.scatter(n, cosineSurface, pb, 0.25, false);
+    after.scatter(n, cosineSurface, pb, 0.25);
     after.arrive(d2, cosineLight);
     const double connectArea = pl * cosineLight / d2;
     EXPECT_NEAR(hitWeight(n, after, connectArea, 0.02), pb / (pl + pb), 1e-12);
@@ -59,6 +59,10 @@ TEST(Mis, MoreSamplesOfATechniqueGiveItMoreWeight) {
     const double without = connectWeight(Strategies::bidirectional(1, 0), light, eye, 0.2, 0.3, 0.4, 0.5);
     const double with = connectWeight(Strategies::bidirectional(1, 1), light, eye, 0.2, 0.3, 0.4, 0.5);
     EXPECT_LT(with, without);
+    Strategies rare = Strategies::bidirectional(1, 1);
+    rare.connect = 0.1;
+    EXPECT_LT(connectWeight(rare, light, eye, 0.2, 0.3, 0.4, 0.5), with);
+    EXPECT_GT(mergeWeight(rare, light, eye, 0.3, 0.3), many);
     // Light subpaths of q-fold density weaken hit.
     EXPECT_LT(hitWeight(Strategies::bidirectional(10, 0), eye, 0, 0.2),
               hitWeight(Strategies::bidirectional(1, 0), eye, 0, 0.2));

@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
 """Table of the studies in a folder (tools/study.sh), for README.md and docs/paper.md.
 
-    tools/study_table.py FOLDER [BASE]      BASE: integrator that all are divided by (default: mcmc_vcm)
+    tools/study_table.py FOLDER... [--base NAME]
+
+NAME: integrator that all are divided by (default: mcmc_vcm). Of several folders the last that has an integrator on a
+scene counts, for integrators that were run again.
 
 Each cell: relMSE times seconds, over that of BASE; behind the stroke without the 0.1 % worst pixels; bold: the
 smallest of the scene. Then, for each integrator, the worst case over the scenes: its error over the best's.
 """
 
+import argparse
 import json
 import sys
 from pathlib import Path
@@ -14,12 +18,13 @@ from pathlib import Path
 METRICS = ("rel_mse", "trimmed_rel_mse")
 
 
-def read(folder):
+def read(folders):
     """Costs by (scene, integrator, metric), with scenes and integrators in their order."""
     costs, scenes, labels = {}, [], []
-    for file in sorted(folder.glob("*/study.json")):
+    for file in [f for folder in folders for f in sorted(folder.glob("*/study.json"))]:
         scene = file.parent.name
-        scenes.append(scene)
+        if scene not in scenes:
+            scenes.append(scene)
         for entrant in json.loads(file.read_text())["entrants"]:
             summary = entrant["summary"]
             if not summary or not summary.get("final"):
@@ -37,17 +42,19 @@ def number(x):
 
 
 def main():
-    if len(sys.argv) not in (2, 3) or sys.argv[1].startswith("-"):
-        print(__doc__, file=sys.stderr)
-        return 2
-    folder, base = Path(sys.argv[1]), sys.argv[2] if len(sys.argv) == 3 else "mcmc_vcm"
-    costs, scenes, labels = read(folder)
-    if not scenes:
-        print(f"study_table.py: {folder}: found no SCENE/study.json", file=sys.stderr)
-        return 2
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folders", nargs="+", type=Path, metavar="FOLDER")
+    parser.add_argument("--base", default="mcmc_vcm", metavar="NAME")
+    arguments = parser.parse_args()
+    base = arguments.base
+    for folder in arguments.folders:
+        if not any(folder.glob("*/study.json")):
+            print(f"study_table.py: {folder}: found no SCENE/study.json", file=sys.stderr)
+            return 2
+    costs, scenes, labels = read(arguments.folders)
     for scene in scenes:
         if (scene, base, METRICS[0]) not in costs:
-            print(f"study_table.py: {folder}/{scene}: {base} is not among its integrators", file=sys.stderr)
+            print(f"study_table.py: {scene}: {base} is not among its integrators", file=sys.stderr)
             return 2
     best = {(s, m): min(costs[s, l, m] for l in labels if (s, l, m) in costs) for s in scenes for m in METRICS}
 

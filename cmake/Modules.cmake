@@ -4,7 +4,9 @@ target_compile_features(metrolux_options INTERFACE cxx_std_20)
 target_compile_options(metrolux_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>  # false positives on Imath vectors in GCC 12
-  -fno-math-errno -fno-trapping-math -ffp-contract=off)
+  # GCC packs neighbouring floats that were stored one by one into one load, and waits for those stores
+  # longer than the wide operations save (docs/performance.md).
+  -fno-math-errno -fno-trapping-math -ffp-contract=off -fno-tree-slp-vectorize)
 if(METROLUX_WERROR)
   target_compile_options(metrolux_options INTERFACE -Werror)
 endif()

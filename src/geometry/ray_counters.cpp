@@ -50,8 +50,9 @@ RayCounters::~RayCounters() {
     std::erase(registry().live, this);
 }
 
-RayCounters& RayCounters::ofThisThread() {
+RayCounters& RayCounters::add() {
     thread_local RayCounters counters;
+    known_ = &counters;
     return counters;
 }
 

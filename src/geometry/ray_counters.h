@@ -17,9 +17,14 @@ struct alignas(64) RayCounters {
     RayCounters(const RayCounters&) = delete;
     RayCounters& operator=(const RayCounters&) = delete;
 
-    static RayCounters& ofThisThread();
+    static RayCounters& ofThisThread() { return known_ ? *known_ : add(); }
     static RayStatistics total();
     static void reset();
+
+  private:
+    static RayCounters& add();
+    /// Spares each ray the question whether a thread_local object has been constructed.
+    static constinit inline thread_local RayCounters* known_ = nullptr;
 };
 
 /// Counts a ray and, for one in kTimedEvery, the time until the end of the scope.

@@ -91,9 +91,9 @@ class TriangleMesh final : public Shape {
     std::vector<Attribute> attributes;
     bool flipNormals = false;  ///< ng and ns point to the other side
 
-    /// To be called when the vectors are filled: checks indices, drops what is not needed, builds the area
-    /// table. Throws Error for indices out of range and non-finite vertices. Triangles of zero area are kept
-    /// out of sampling.
+    /// To be called when all above is set, and after changes of it: checks indices, builds the tables of
+    /// areas and normals. Throws Error for indices out of range and non-finite vertices. Triangles of zero
+    /// area are kept out of sampling.
     void finalize();
     /// Replaces `normals` by the mean of the adjacent faces' normals, weighted by the angle at the vertex
     /// (Thuermer & Wuethrich 1998, as Mitsuba does). To be called before finalize(), with valid indices.
@@ -122,6 +122,7 @@ class TriangleMesh final : public Shape {
 
     float totalArea_ = 0;
     std::vector<double> areaCdf_;
+    std::vector<Vec3f> faceNormals_;  ///< ng of each triangle
 };
 
 /// Sphere, disk and cylinder: intersected by Embree's user-geometry callbacks.

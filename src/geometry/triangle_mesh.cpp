@@ -71,11 +71,14 @@ void TriangleMesh::finalize() {
             throw Error("mesh \"{}\": the texture coordinates of vertex {} are not finite", id, i);
 
     areaCdf_.resize(primitiveCount());
+    faceNormals_.resize(primitiveCount());
     double total = 0;
     for (size_t i = 0; i < primitiveCount(); ++i) {
         const uint32_t* v = &indices[3 * i];
-        total += 0.5 * scaledNormal(positions[v[0]], positions[v[1]], positions[v[2]]).length();
+        const Vec3d scaled = scaledNormal(positions[v[0]], positions[v[1]], positions[v[2]]);
+        total += 0.5 * scaled.length();
         areaCdf_[i] = total;
+        faceNormals_[i] = geometricNormal(v, scaled);
     }
     totalArea_ = static_cast<float>(total);
     // Embree reads 16 bytes at the last element of the buffers that it shares with the mesh.
@@ -117,7 +120,7 @@ TriangleMesh::Edges TriangleMesh::place(uint32_t triangle, const Vec2f& barycent
     si.primitive = triangle;
     si.barycentric = barycentric;
 
-    si.ng = geometricNormal(v, e1.cross(e2));
+    si.ng = faceNormals_[triangle];
     si.uv = uvs.empty() ? barycentric : interpolate(uvs[v[0]], uvs[v[1]], uvs[v[2]], barycentric);
     return {e1, e2};
 }
@@ -151,7 +154,7 @@ DirectionCone TriangleMesh::normalCone() const {
         const uint32_t* v = &indices[i];
         const Vec3d scaled = scaledNormal(positions[v[0]], positions[v[1]], positions[v[2]]);
         if (!(scaled.length() > 0)) continue;
-        faces.push_back(geometricNormal(v, scaled));
+        faces.push_back(faceNormals_[i / 3]);
         sum += toDouble(faces.back()) * scaled.length();
     }
     const double length = sum.length();
@@ -168,7 +171,7 @@ Partials TriangleMesh::partialsAt(const SurfaceInteraction& si) const {
     const TextureAxes axes(*this, v);
     const Partials result{toFloat(axes.derivativeByU(e1, e2)), toFloat(axes.derivativeByV(e1, e2))};
     if (axes.exist && isFinite(result.dpdu) && isFinite(result.dpdv)) return result;
-    const Frame frame = Frame::fromNormal(geometricNormal(v, e1.cross(e2)));
+    const Frame frame = Frame::fromNormal(faceNormals_[si.primitive]);
     return {frame.s, frame.t};
 }
 
@@ -177,9 +180,15 @@ ShapeSample TriangleMesh::sampleArea(const Vec2f& u) const {
     if (!(totalArea_ > 0)) return result;
     const double total = areaCdf_.back();
     const double target = std::min(static_cast<double>(u.x), static_cast<double>(kOneMinusEpsilon)) * total;
-    // upper_bound never stops at a triangle of zero area: its entry equals its predecessor's.
-    const auto it = std::upper_bound(areaCdf_.begin(), areaCdf_.end(), target);
-    const size_t triangle = static_cast<size_t>(it - areaCdf_.begin());
+    // The first entry above the target is never that of a triangle of zero area, which equals its
+    // predecessor's. Of few it is counted, without branches that depend on the sample.
+    constexpr size_t kFew = 8;
+    size_t triangle = 0;
+    if (areaCdf_.size() <= kFew)
+        for (const double sum : areaCdf_) triangle += sum <= target ? 1 : 0;
+    else
+        triangle = static_cast<size_t>(std::upper_bound(areaCdf_.begin(), areaCdf_.end(), target) -
+                                       areaCdf_.begin());
     const double below = triangle > 0 ? areaCdf_[triangle - 1] : 0.0;
     const float rest = static_cast<float>((target - below) / (areaCdf_[triangle] - below));
     const Vec2f inTriangle(std::clamp(rest, 0.0f, kOneMinusEpsilon), u.y);

@@ -115,9 +115,13 @@ ReconstructionFilter::Cut ReconstructionFilter::cut(int pixel, int size) const {
 }
 
 float ReconstructionFilter::sample(int pixel, int size, float u, float& weight) const {
-    const Cut range = cut(pixel, size);
-    const double absLower = interpolate(absCdf_, range.lower), absUpper = interpolate(absCdf_, range.upper);
-    const double integral = interpolate(signedCdf_, range.upper) - interpolate(signedCdf_, range.lower);
+    Cut range{0, static_cast<double>(table_.size())};
+    double absLower = 0, absUpper = absCdf_.back(), integral = signedCdf_.back();
+    if (!isInside(static_cast<float>(pixel) + 0.5f, size)) {
+        range = cut(pixel, size);
+        absLower = interpolate(absCdf_, range.lower), absUpper = interpolate(absCdf_, range.upper);
+        integral = interpolate(signedCdf_, range.upper) - interpolate(signedCdf_, range.lower);
+    }
     const double target = std::lerp(absLower, absUpper, static_cast<double>(u));
     const auto share = static_cast<size_t>(target / absCdf_.back() * static_cast<double>(guide_.size()));
     size_t cell = guide_[std::min(share, guide_.size() - 1)];
@@ -140,8 +144,7 @@ float ReconstructionFilter::evaluate(int pixel, int size, float x) const {
         x > static_cast<float>(size))
         return 0;
     const float h = table_[static_cast<size_t>(position)];
-    if (centre >= radius_ && centre + radius_ <= static_cast<float>(size))
-        return h / static_cast<float>(signedCdf_.back());
+    if (isInside(centre, size)) return h / static_cast<float>(signedCdf_.back());
     const Cut range = cut(pixel, size);
     return h /
            static_cast<float>(interpolate(signedCdf_, range.upper) - interpolate(signedCdf_, range.lower));

@@ -40,6 +40,10 @@ class ReconstructionFilter {
         double lower, upper;
     };
     Cut cut(int pixel, int size) const;
+    /// Whether that is all of it, for a pixel with this centre.
+    bool isInside(float centre, int size) const {
+        return centre >= radius_ && centre + radius_ <= static_cast<float>(size);
+    }
 
     Kind kind_;
     float radius_;

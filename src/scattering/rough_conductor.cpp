@@ -14,7 +14,8 @@ class RoughConductor final : public Bsdf {
           reflectance_(p.specularReflectance, 1),
           alphaU_(p.alphaU, 0.1f),
           alphaV_(p.alphaV, 0.1f),
-          type_(p.distribution) {}
+          type_(p.distribution),
+          normalIncidence_(fresnelConductor(1, eta_.mean(), k_.mean())) {}
 
     std::optional<BsdfSample> sample(const SurfaceInteraction& si, const Vec3f& known, TransportMode mode,
                                      float, const Vec2f& u) const override {
@@ -40,7 +41,8 @@ class RoughConductor final : public Bsdf {
 
     Rgb albedo(const SurfaceInteraction& si) const override {
         // Schlick's hemispherical mean F0 + (1 - F0) / 21
-        const Rgb normalIncidence = fresnelConductor(1, eta_(si), k_(si));
+        const Rgb normalIncidence =
+            eta_.texture() || k_.texture() ? fresnelConductor(1, eta_(si), k_(si)) : normalIncidence_;
         return clampUnit(reflectance_(si) * (normalIncidence * (20.0f / 21.0f) + Rgb(1.0f / 21.0f)));
     }
     bool hasSmoothLobe() const override { return true; }
@@ -57,6 +59,7 @@ class RoughConductor final : public Bsdf {
     ColorParameter eta_, k_, reflectance_;
     ScalarParameter alphaU_, alphaV_;
     MicrofacetType type_;
+    Rgb normalIncidence_;  ///< Fresnel reflectance, where eta and k are constant
 };
 
 }  // namespace

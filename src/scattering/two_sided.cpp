@@ -9,7 +9,10 @@ Vec3f mirrored(const Vec3f& v) { return {v.x, v.y, -v.z}; }
 
 class TwoSided final : public Bsdf {
   public:
-    explicit TwoSided(const TwoSidedParameters& p) : front_(p.front), back_(p.back ? p.back : p.front) {}
+    explicit TwoSided(const TwoSidedParameters& p)
+        : front_(p.front),
+          back_(p.back ? p.back : p.front),
+          smooth_(front_->hasSmoothLobe() || back_->hasSmoothLobe()) {}
 
     std::optional<BsdfSample> sample(const SurfaceInteraction& si, const Vec3f& known, TransportMode mode,
                                      float uLobe, const Vec2f& u) const override {
@@ -29,7 +32,7 @@ class TwoSided final : public Bsdf {
     Rgb albedo(const SurfaceInteraction& si) const override {
         return front_ == back_ ? front_->albedo(si) : (front_->albedo(si) + back_->albedo(si)) * 0.5f;
     }
-    bool hasSmoothLobe() const override { return front_->hasSmoothLobe() || back_->hasSmoothLobe(); }
+    bool hasSmoothLobe() const override { return smooth_; }
     bool isNarrow(const SurfaceInteraction& si) const override {
         return front_->isNarrow(si) && back_->isNarrow(si);
     }
@@ -37,6 +40,7 @@ class TwoSided final : public Bsdf {
 
   private:
     BsdfPtr front_, back_;
+    bool smooth_;
 };
 
 }  // namespace

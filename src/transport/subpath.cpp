@@ -76,22 +76,20 @@ void continueWalk(const Walk& walk, Vertex& v) {
         MisState mis;
         bool delta = false;
         if (!scatter(walk, v, ray, throughput, mis, delta) || !walk.visitor.scattered(delta)) return;
-        SurfaceInteraction si;
-        if (!walk.scene.intersect(ray, si)) {
-            walk.visitor.escaped(v.si.p, ray.direction, throughput, mis, v.depth + 1);
+        const Vec3f from = v.si.p;
+        if (!walk.scene.intersect(ray, v.si)) {
+            walk.visitor.escaped(from, ray.direction, throughput, mis, v.depth + 1);
             return;
         }
-        const double cosine = absDot(ray.direction, si.ng);
+        const double cosine = absDot(ray.direction, v.si.ng);
         if (!(cosine > 0)) return;
-        const float distance = (si.p - v.si.p).length();
-        mis.arrive(sqr(double(distance)), cosine);
-        v.si = si;
-        v.distanceToPrevious = distance;
+        v.distanceToPrevious = (v.si.p - from).length();
+        mis.arrive(sqr(double(v.distanceToPrevious)), cosine);
         v.toPrevious = -ray.direction;
         v.throughput = throughput;
         v.mis = mis;
         certain &= delta;
-        v.mergeShare = certain ? 1.0f : static_cast<float>(walk.strategies.mergeShare(si.p));
+        v.mergeShare = certain ? 1.0f : static_cast<float>(walk.strategies.mergeShare(v.si.p));
         ++v.depth;
     }
 }

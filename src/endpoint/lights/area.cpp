@@ -136,7 +136,7 @@ class AreaLight final : public Light {
         const Vec3f d = point->si.p - x;
         c.distance = d.length();
         if (!(c.distance > 0)) return std::nullopt;
-        c.wi = normalize(d);
+        c.wi = d / c.distance;
         c.cosine = -dot(point->si.ng, c.wi);
         const Rgb emitted = radiance(point->si, -c.wi);
         if (isBlack(emitted)) return std::nullopt;

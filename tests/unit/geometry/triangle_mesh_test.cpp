@@ -41,6 +41,7 @@ TEST(TriangleMesh, NormalsFollowWindingThenVertexNormals) {
     mesh.interaction(0, {0.2f, 0.2f}, si);
     expectNear(si.ng, {0, 0, 1}, 1e-7f, "winding");
     mesh.flipNormals = true;
+    mesh.finalize();
     mesh.interaction(0, {0.2f, 0.2f}, si);
     expectNear(si.ng, {0, 0, -1}, 1e-7f, "flipped");
 
@@ -52,6 +53,7 @@ TEST(TriangleMesh, NormalsFollowWindingThenVertexNormals) {
     expectNear(si.ng, {0, 0, -1}, 1e-7f, "side of the vertex normals");
     expectNear(si.ns, n, 1e-6f, "ns");
     mesh.normals = {{1, 0, 1}, {0, 0, 1}, {0, 1, 1}};
+    mesh.finalize();
     mesh.interaction(0, {0.5f, 0.25f}, si);
     expectNear(si.ns, normalize(Vec3f(0.25f, 0.25f, 1)), 1e-6f, "interpolated");
 }

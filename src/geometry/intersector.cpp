@@ -1,6 +1,7 @@
 #include "geometry/intersector.h"
 
 #include "base/error.h"
+#include "base/parallel.h"
 #include "geometry/affine.h"
 #include "geometry/ray_counters.h"
 
@@ -13,6 +14,13 @@
 namespace metrolux {
 
 namespace {
+
+/// Under the thread sanitizer Embree builds its trees in the calling thread: see base/parallel.h.
+#ifdef METROLUX_UNDER_THREAD_SANITIZER
+constexpr const char* kDeviceOptions = "threads=1";
+#else
+constexpr const char* kDeviceOptions = nullptr;
+#endif
 
 /// Carries the local ray of the nearest analytic hit out of the traversal; the interaction is computed from
 /// it once, when the nearest hit of all is known.
@@ -105,7 +113,7 @@ struct Intersector::Impl {
     Impl() {
         // Embree's flush-to-zero modes stay off: they would belong in every thread that traces, and results
         // must not depend on the thread.
-        device = rtcNewDevice(nullptr);
+        device = rtcNewDevice(kDeviceOptions);
         if (!device)
             throw Error("Embree: no device (error {})", static_cast<int>(rtcGetDeviceError(nullptr)));
         rtcSetDeviceErrorFunction(

@@ -22,6 +22,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -189,6 +190,44 @@ int runChild(const Settings& settings) {
 
 // The parent: counts what the child says, and notices when it stops to.
 
+/// Tells a process that hangs from one that only waits for a processor: it has used `limit` seconds of
+/// processor time since its last word, or has slept through as many seconds of the clock.
+class HangDetector {
+  public:
+    HangDetector(pid_t process, double limit) : process_(process), limit_(limit) { hearWord(); }
+
+    void hearWord() {
+        wordUsed_ = used();
+        beginPeriod(wordUsed_);
+    }
+    bool hangs() {
+        const double now = used();
+        if (now - wordUsed_ >= limit_) return true;
+        if (steadySeconds() - periodStart_ < limit_) return false;
+        const bool asleep = now - periodUsed_ < kAwake * limit_;
+        beginPeriod(now);
+        return asleep;
+    }
+
+  private:
+    static constexpr double kAwake = 0.01;  ///< share of a processor that even a starved process gets
+
+    double used() const {
+        clockid_t clock;
+        timespec time{};
+        if (::clock_getcpuclockid(process_, &clock) != 0 || ::clock_gettime(clock, &time) != 0) return 0;
+        return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+    }
+    void beginPeriod(double usedNow) {
+        periodStart_ = steadySeconds();
+        periodUsed_ = usedNow;
+    }
+
+    pid_t process_;
+    double limit_;
+    double wordUsed_ = 0, periodStart_ = 0, periodUsed_ = 0;
+};
+
 class Supervisor {
   public:
     explicit Supervisor(const Settings& settings) : settings_(settings) {}
@@ -215,13 +254,14 @@ class Supervisor {
         }
         ::close(ends[1]);
         finished_ = false;
-        const bool hung = !listen(ends[0]);
+        const bool hung = !listen(ends[0], HangDetector(child, settings_.limit));
         ::close(ends[0]);
         if (hung) ::kill(child, SIGKILL);
         int status = 0;
         ::waitpid(child, &status, 0);
         if (hung)
-            problem(fmt::format("no progress for {} s", settings_.limit));
+            problem(
+                fmt::format("no progress for {} s of processor time, or asleep as long", settings_.limit));
         else if (WIFSIGNALED(status))
             problem(fmt::format("ended by signal {}", WTERMSIG(status)));
         else if (WEXITSTATUS(status) != 0)
@@ -252,15 +292,19 @@ class Supervisor {
         ::_exit(4);
     }
 
-    /// Until the child closes the pipe; false if it says nothing for too long.
-    bool listen(int pipe) {
+    /// Until the child closes the pipe; false if it hangs.
+    bool listen(int pipe, HangDetector detector) {
         std::string pending;
         for (;;) {
             pollfd wait{pipe, POLLIN, 0};
-            if (::poll(&wait, 1, static_cast<int>(1000 * settings_.limit)) == 0) return finished_;
+            if (::poll(&wait, 1, 1000) == 0) {
+                if (detector.hangs()) return finished_;
+                continue;
+            }
             char buffer[4096];
             const ssize_t size = ::read(pipe, buffer, sizeof(buffer));
             if (size <= 0) return true;
+            detector.hearWord();
             pending.append(buffer, static_cast<size_t>(size));
             for (size_t end; (end = pending.find('\n')) != std::string::npos; pending.erase(0, end + 1))
                 hear(nlohmann::json::parse(pending.substr(0, end)));
@@ -348,7 +392,9 @@ int run(int argc, char** argv) {
     app.add_option("--seed", settings.seed, "Number of the first scene (default: 1)");
     app.add_option("--passes", settings.passes, "Passes of each integrator (default: 4)");
     app.add_option("--threads", settings.threads, "Threads (default: 2)");
-    app.add_option("--limit", settings.limit, "Seconds without progress that count as a hang (default: 300)");
+    app.add_option(
+        "--limit", settings.limit,
+        "Seconds of processor time, or asleep, without progress that count as a\nhang (default: 300)");
     app.add_option("--integrators", settings.integrators, "Names, separated by commas (default: all)")
         ->delimiter(',');
     app.add_option("--report", settings.report, "JSON file for the counts");

@@ -57,13 +57,12 @@ debug-test: setup
 	cmake --build --preset debug
 	ctest --preset debug
 
-# A part of the tests under the thread sanitizer, what several threads work on.
-THREAD_TESTS := Film|ImageIo|ReplicaLanes|EyePass|LightPass|Merge|PhotonDensity|VertexGrid|EachIntegrator|Session|PassLoop
+# The unit tests under the thread sanitizer, but for those of a single chain, which one thread runs for minutes there.
+SERIAL_TESTS := Chain\.|Unbiased|Ragged
 thread-test: setup
 	cmake --preset thread
-	cmake --build --preset thread --target metrolux_command test_unit_image test_unit_markov test_unit_transport \
-	  test_unit_integrators test_unit_render
-	ctest --preset thread -R '$(THREAD_TESTS)'
+	cmake --build --preset thread
+	ctest --preset thread -L '^unit/' -E '$(SERIAL_TESTS)'
 
 # All tests with the address and undefined-behaviour sanitizers, and a part of them with the thread sanitizer.
 sanitize: debug-test thread-test

@@ -39,6 +39,7 @@ int bench(BenchArguments& a) {
     const double build = steadySeconds() - start - read;
 
     a.speed.integrator = integratorName(r.session.integrator, scene);
+    if (r.session.integrator == "scene") warnOfUnusedOptions(r, a.speed.integrator);
     a.speed.options = r.session.integratorOptions;
     a.speed.options.limits = scene.parts().limits;
     if (r.maxDepth) a.speed.options.limits.maxDepth = *r.maxDepth;

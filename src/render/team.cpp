@@ -11,9 +11,6 @@
 
 #ifdef METROLUX_MPI
 #include <mpi.h>
-#ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/lsan_interface.h>
-#endif
 #endif
 
 namespace metrolux {
@@ -30,20 +27,9 @@ int launchedProcesses() {
 
 #ifdef METROLUX_MPI
 
-/// What MPI allocates to start and to end is its own affair: the leak sanitizer would report what is never
-/// freed, from plugins that are unloaded by then, so that no suppression can name them.
-#ifdef __SANITIZE_ADDRESS__
-using MpiAllocations = __lsan::ScopedDisabler;
-#else
-struct MpiAllocations {
-    MpiAllocations() {}
-};
-#endif
-
 class MpiTeam final : public Team {
   public:
     MpiTeam() {
-        const MpiAllocations unwatched;
         int provided = 0;
         MPI_Init_thread(nullptr, nullptr, MPI_THREAD_SERIALIZED, &provided);
         if (provided < MPI_THREAD_SERIALIZED)
@@ -59,7 +45,6 @@ class MpiTeam final : public Team {
         MPI_Barrier(MPI_COMM_WORLD);
     }
     ~MpiTeam() override {
-        const MpiAllocations unwatched;
         MPI_Win_free(&window_);
         MPI_Op_free(&pixelOp_);
         MPI_Type_free(&pixelType_);

@@ -30,7 +30,13 @@ class StreamsTest : public CliTest {
     }
     static bool haveMpi() { return METROLUX_TEST_MPI && std::system("command -v mpirun > /dev/null") == 0; }
     static Words mpirun(int ranks) {
-        return {"mpirun", "--allow-run-as-root", "--oversubscribe", "-n", std::to_string(ranks)};
+        Words words{"mpirun", "--allow-run-as-root", "--oversubscribe", "-n", std::to_string(ranks)};
+#ifdef __SANITIZE_ADDRESS__
+        // Threads and plugins of OpenMPI never free some blocks, and a suppression cannot name plugins that
+        // are unloaded at the end. Leaks of ours show in the other tests.
+        words.insert(words.end(), {"-x", "ASAN_OPTIONS=detect_leaks=0"});
+#endif
+        return words;
     }
     Outcome runRanks(int ranks, const Words& arguments) const {
         return Command(folder, arguments, mpirun(ranks)).wait();

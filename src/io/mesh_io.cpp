@@ -19,7 +19,8 @@ uint64_t bytesOf(const std::vector<T>& data) {
 
 uint64_t memoryOf(const TriangleMesh& mesh) {
     uint64_t bytes = bytesOf(mesh.positions) + bytesOf(mesh.normals) + bytesOf(mesh.uvs) +
-                     bytesOf(mesh.indices) + mesh.primitiveCount() * (sizeof(double) + sizeof(Vec3f) + kTreeBytes);
+                     bytesOf(mesh.indices) +
+                     mesh.primitiveCount() * (sizeof(double) + sizeof(Vec3f) + kTreeBytes);
     for (const TriangleMesh::Attribute& a : mesh.attributes) bytes += bytesOf(a.values);
     return bytes;
 }

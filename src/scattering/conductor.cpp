@@ -1,15 +1,13 @@
 #include "scattering/conductor.h"
 
-#include "scattering/fresnel.h"
-#include "scattering/parameter.h"
+#include "scattering/metal.h"
 
 namespace metrolux {
 namespace {
 
 class Conductor final : public Bsdf {
   public:
-    explicit Conductor(const ConductorParameters& p)
-        : eta_(p.eta, 0), k_(p.k, 1), reflectance_(p.specularReflectance, 1) {}
+    explicit Conductor(const ConductorParameters& p) : metal_(p.eta, p.k, p.specularReflectance) {}
 
     std::optional<BsdfSample> sample(const SurfaceInteraction& si, const Vec3f& known, TransportMode mode,
                                      float, const Vec2f&) const override {
@@ -18,7 +16,7 @@ class Conductor final : public Bsdf {
         result.delta = true;
         result.direction = reflectLocal(known);
         result.pdfForward = result.pdfReverse = 1;
-        const Rgb energy = reflectance_(si) * fresnelConductor(known.z, eta_(si), k_(si));
+        const Rgb energy = metal_.reflectance(si, known.z);
         result.weight = deltaWeight(mode, energy, 1, known, result.direction, 1);
         if (isBlack(result.weight)) return std::nullopt;
         return result;
@@ -28,16 +26,12 @@ class Conductor final : public Bsdf {
         return {};
     }
 
-    Rgb albedo(const SurfaceInteraction& si) const override {
-        // Hemispherical mean of Schlick's approximation: F0 + (1 - F0) / 21
-        const Rgb normalIncidence = fresnelConductor(1, eta_(si), k_(si));
-        return clampUnit(reflectance_(si) * (normalIncidence * (20.0f / 21.0f) + Rgb(1.0f / 21.0f)));
-    }
+    Rgb albedo(const SurfaceInteraction& si) const override { return metal_.albedo(si); }
     bool hasSmoothLobe() const override { return false; }
     bool hasDeltaLobe() const override { return true; }
 
   private:
-    ColorParameter eta_, k_, reflectance_;
+    Metal metal_;
 };
 
 }  // namespace

@@ -35,6 +35,10 @@ inline float fresnelDielectric(float cosThetaI, float eta) {
 /// `cosThetaI` >= 0.
 Rgb fresnelConductor(float cosThetaI, const Rgb& eta, const Rgb& k);
 
+/// Hemispherical mean of Schlick's approximation, from the reflectance at normal incidence: F0 + (1 - F0)
+/// / 21.
+inline Rgb schlickMean(const Rgb& f0) { return f0 * (20.0f / 21.0f) + Rgb(1.0f / 21.0f); }
+
 /// Mean reflectance of a dielectric interface under diffuse illumination from outside; `eta` is the index of
 /// the far side over that of the near side. Polynomial fits: below 1 Egan & Hilgeman 1973, above d'Eon &
 /// Irving 2011 (the constants that Mitsuba 3 uses; relative error below 1 % for indices up to 2).

@@ -118,7 +118,7 @@ class Principled final : public Bsdf {
                     f = principled::reflectanceAtNormal(eta_);
         const Rgb refracted(safeSqrt(base.x), safeSqrt(base.y), safeSqrt(base.z));
         const Rgb dielectric = Rgb(f) + lerp(trans, base, refracted) * (1.0f - f) + Rgb(0.05f * sheen_(si));
-        const Rgb metal = base * (20.0f / 21.0f) + Rgb(1.0f / 21.0f);
+        const Rgb metal = schlickMean(base);
         return clampUnit(lerp(metallic, dielectric, metal) + Rgb(0.01f * clearcoat_(si)));
     }
     bool hasSmoothLobe() const override { return true; }

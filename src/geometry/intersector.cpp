@@ -22,11 +22,11 @@ constexpr const char* kDeviceOptions = "threads=1";
 constexpr const char* kDeviceOptions = nullptr;
 #endif
 
-/// Carries the local ray of the nearest analytic hit out of the traversal; the interaction is computed from
-/// it once, when the nearest hit of all is known.
+/// Carries the local rays of the nearest analytic hits out of the traversal; the interaction is computed from
+/// them once, when the nearest hit of all is known. A ray's `id` is its place here.
 struct QueryContext {
     RTCIntersectContext embree;
-    Ray analyticRay;
+    Ray* analyticRays;
 };
 
 Ray toRay(const RTCRay& r) { return {{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.tfar}; }
@@ -41,9 +41,6 @@ RTCRay toEmbree(const Ray& ray) {
     return r;
 }
 
-// The callbacks serve single rays only (rtcIntersect1, rtcOccluded1), for which RTCRayHitN has the layout of
-// RTCRayHit.
-
 void boundsOfAnalytic(const RTCBoundsFunctionArguments* arguments) {
     Vec3f lower, upper;
     static_cast<const AnalyticShape*>(arguments->geometryUserPtr)->bounds(lower, upper);
@@ -53,26 +50,33 @@ void boundsOfAnalytic(const RTCBoundsFunctionArguments* arguments) {
 }
 
 void intersectAnalytic(const RTCIntersectFunctionNArguments* arguments) {
-    if (!arguments->valid[0]) return;
-    auto* rayHit = reinterpret_cast<RTCRayHit*>(arguments->rayhit);
+    const unsigned n = arguments->N;
+    RTCRayN* const rays = RTCRayHitN_RayN(arguments->rayhit, n);
+    RTCHitN* const hits = RTCRayHitN_HitN(arguments->rayhit, n);
     const auto* shape = static_cast<const AnalyticShape*>(arguments->geometryUserPtr);
-    const Ray ray = toRay(rayHit->ray);
-    float t = rayHit->ray.tfar;
-    if (!shape->intersect(ray, rayHit->ray.tnear, t, nullptr)) return;
-    rayHit->ray.tfar = t;
-    rayHit->hit.geomID = arguments->geomID;
-    rayHit->hit.primID = 0;
-    rayHit->hit.instID[0] = arguments->context->instID[0];
-    reinterpret_cast<QueryContext*>(arguments->context)->analyticRay = ray;
+    for (unsigned i = 0; i < n; ++i) {
+        if (!arguments->valid[i]) continue;
+        const Ray ray = toRay(rtcGetRayFromRayN(rays, n, i));
+        float t = ray.tMax;
+        if (!shape->intersect(ray, RTCRayN_tnear(rays, n, i), t, nullptr)) continue;
+        RTCRayN_tfar(rays, n, i) = t;
+        RTCHitN_geomID(hits, n, i) = arguments->geomID;
+        RTCHitN_primID(hits, n, i) = 0;
+        RTCHitN_instID(hits, n, i, 0) = arguments->context->instID[0];
+        reinterpret_cast<QueryContext*>(arguments->context)->analyticRays[RTCRayN_id(rays, n, i)] = ray;
+    }
 }
 
 void occludedAnalytic(const RTCOccludedFunctionNArguments* arguments) {
-    if (!arguments->valid[0]) return;
-    auto* r = reinterpret_cast<RTCRay*>(arguments->ray);
-    float t = r->tfar;
-    if (static_cast<const AnalyticShape*>(arguments->geometryUserPtr)
-            ->intersect(toRay(*r), r->tnear, t, nullptr))
-        r->tfar = -kInfinity;
+    const unsigned n = arguments->N;
+    const auto* shape = static_cast<const AnalyticShape*>(arguments->geometryUserPtr);
+    for (unsigned i = 0; i < n; ++i) {
+        if (!arguments->valid[i]) continue;
+        const Ray ray = toRay(rtcGetRayFromRayN(arguments->ray, n, i));
+        float t = ray.tMax;
+        if (shape->intersect(ray, RTCRayN_tnear(arguments->ray, n, i), t, nullptr))
+            RTCRayN_tfar(arguments->ray, n, i) = -kInfinity;
+    }
 }
 
 /// A shape by its kind: one of the two is set.
@@ -107,6 +111,8 @@ struct Intersector::Impl {
     Group top;
     std::unordered_map<const ShapeGroup*, Group> groups;
     std::vector<PlacedGroup> instances;  // by geometry id of the top level, after its shapes
+    bool hasAnalytic = false;            // of any group
+    int packetWidth = 1;                 // the widest that the processor traces as a whole
     std::mutex errorMutex;
     std::string error;  // the first that Embree reported
 
@@ -125,6 +131,11 @@ struct Intersector::Impl {
                     impl.error = fmt::format("{} (error {})", text, static_cast<int>(code));
             },
             this);
+        using Width = std::pair<RTCDeviceProperty, int>;
+        for (const auto& [property, width] : {Width{RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED, 4},
+                                              Width{RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED, 8},
+                                              Width{RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED, 16}})
+            if (rtcGetDeviceProperty(device, property)) packetWidth = width;
     }
     ~Impl() {
         if (top.scene) rtcReleaseScene(top.scene);
@@ -189,6 +200,7 @@ struct Intersector::Impl {
         rtcSetSceneBuildQuality(group.scene, RTC_BUILD_QUALITY_HIGH);
         for (const ShapePtr& shape : shapes) {
             group.targets.emplace_back(*shape);
+            hasAnalytic |= group.targets.back().analytic != nullptr;
             attach(group.scene, newGeometry(group.targets.back()), group.targets.size() - 1,
                    fmt::format("attaching shape \"{}\"", shape->id));
         }
@@ -210,7 +222,32 @@ struct Intersector::Impl {
         attach(top.scene, geometry, top.targets.size() + instances.size(), "attaching an instance");
         instances.push_back({&group, instance.toWorld});
     }
+
+    /// `analyticRay`: the ray in the space of the group that was hit, for analytic shapes.
+    void interaction(const RayHit& hit, const Ray& analyticRay, SurfaceInteraction& si) const {
+        const PlacedGroup* placed =
+            hit.instance != RayHit::kNone ? &instances[hit.instance - top.targets.size()] : nullptr;
+        const Target& target = (placed ? *placed->group : top).targets[hit.geometry];
+        if (target.mesh) {
+            target.mesh->interaction(hit.primitive, hit.barycentric, si);
+        } else {
+            // The same call with the same ray as in the traversal: it finds the same hit.
+            float t = kInfinity;
+            target.analytic->intersect(analyticRay, 0, t, &si);
+        }
+        if (placed) {
+            const Transform& m = placed->toWorld;
+            si.p = m.point(si.p);
+            si.ng = normalize(m.normal(si.ng));
+            si.ns = normalize(m.normal(si.ns));
+            si.placement = &m;
+            si.s = Frame::fromNormalAndTangent(si.ns, partials(si).dpdu).s;
+        } else {
+            si.placement = nullptr;
+        }
+    }
 };
+static_assert(RayHit::kNone == RTC_INVALID_GEOMETRY_ID);
 
 Intersector::Intersector(const std::vector<ShapePtr>& shapes, const std::vector<Instance>& instances)
     : impl_(std::make_unique<Impl>()) {
@@ -237,7 +274,9 @@ Intersector::~Intersector() = default;
 namespace {
 
 /// A query for the nearest hit; true if there is one.
-bool nearest(RTCScene scene, const Ray& ray, QueryContext& context, RTCRayHit& query) {
+bool nearest(RTCScene scene, const Ray& ray, RTCRayHit& query, Ray& analyticRay) {
+    QueryContext context;
+    context.analyticRays = &analyticRay;
     rtcInitIntersectContext(&context.embree);
     query.ray = toEmbree(ray);
     query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
@@ -254,41 +293,145 @@ bool anything(RTCScene scene, const Ray& ray) {
     return query.tfar < 0;
 }
 
+/// Embree's types and functions for packets of N rays.
+template <int N>
+struct Packets;
+template <>
+struct Packets<4> {
+    using Rays = RTCRay4;
+    using RayHits = RTCRayHit4;
+    static constexpr auto intersect = rtcIntersect4;
+    static constexpr auto occluded = rtcOccluded4;
+};
+template <>
+struct Packets<8> {
+    using Rays = RTCRay8;
+    using RayHits = RTCRayHit8;
+    static constexpr auto intersect = rtcIntersect8;
+    static constexpr auto occluded = rtcOccluded8;
+};
+template <>
+struct Packets<16> {
+    using Rays = RTCRay16;
+    using RayHits = RTCRayHit16;
+    static constexpr auto intersect = rtcIntersect16;
+    static constexpr auto occluded = rtcOccluded16;
+};
+
+/// The packet's first `count` rays; the others are left out.
+template <int N, class Rays>
+void load(const Ray* rays, int count, Rays& packet, int* valid) {
+    for (int k = 0; k < N; ++k) {
+        valid[k] = k < count ? -1 : 0;
+        const Ray& ray = rays[k < count ? k : 0];
+        packet.org_x[k] = ray.origin.x, packet.org_y[k] = ray.origin.y, packet.org_z[k] = ray.origin.z;
+        packet.dir_x[k] = ray.direction.x, packet.dir_y[k] = ray.direction.y,
+        packet.dir_z[k] = ray.direction.z;
+        packet.tfar[k] = ray.tMax;
+    }
+}
+
+/// What is the same for all packets.
+template <int N, class Rays>
+void initialise(Rays& packet) {
+    for (int k = 0; k < N; ++k) {
+        packet.tnear[k] = packet.time[k] = 0;
+        packet.mask[k] = ~0u;
+        packet.id[k] = static_cast<unsigned>(k);
+        packet.flags[k] = 0;
+    }
+}
+
+template <int N>
+void intersectPackets(RTCScene scene, RayBatch& batch, Coherence coherence, Ray* analyticRays) {
+    typename Packets<N>::RayHits packet;
+    initialise<N>(packet.ray);
+    alignas(64) int valid[N];
+    QueryContext context;
+    rtcInitIntersectContext(&context.embree);
+    if (coherence == Coherence::High) context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    for (size_t first = 0; first < batch.size(); first += N) {
+        const int count = static_cast<int>(std::min<size_t>(N, batch.size() - first));
+        load<N>(&batch.rays[first], count, packet.ray, valid);
+        for (int k = 0; k < N; ++k) packet.hit.geomID[k] = packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
+        context.analyticRays = analyticRays ? analyticRays + first : nullptr;
+        Packets<N>::intersect(valid, scene, &context.embree, &packet);
+        for (int k = 0; k < count; ++k)
+            batch.hits[first + k] = {packet.hit.geomID[k],
+                                     packet.hit.primID[k],
+                                     packet.hit.instID[0][k],
+                                     {packet.hit.u[k], packet.hit.v[k]}};
+    }
+}
+
+template <int N>
+void occludedPackets(RTCScene scene, OcclusionBatch& batch) {
+    typename Packets<N>::Rays packet;
+    initialise<N>(packet);
+    alignas(64) int valid[N];
+    QueryContext context;
+    rtcInitIntersectContext(&context.embree);
+    for (size_t first = 0; first < batch.size(); first += N) {
+        const int count = static_cast<int>(std::min<size_t>(N, batch.size() - first));
+        load<N>(&batch.rays[first], count, packet, valid);
+        Packets<N>::occluded(valid, scene, &context.embree, &packet);
+        for (int k = 0; k < count; ++k) batch.blocked[first + k] = packet.tfar[k] < 0;
+    }
+}
+
+/// Whether so few rays are traced faster one by one than in a packet.
+bool areFew(size_t count) { return count < 4; }
+
 }  // namespace
 
 bool Intersector::intersect(const Ray& ray, SurfaceInteraction& si) const {
-    QueryContext context;
+    Ray analyticRay;
     RTCRayHit query;
     bool found;
     {
         const RayTimer timer(&RayCounters::intersectRays);
-        found = nearest(impl_->top.scene, ray, context, query);
+        found = nearest(impl_->top.scene, ray, query, analyticRay);
     }
     if (RayRecorder* recorder = RayRecorder::active()) recorder->add({ray, false, found});
     if (!found) return false;
     const RTCHit& hit = query.hit;
-    const bool instanced = hit.instID[0] != RTC_INVALID_GEOMETRY_ID;
-    const PlacedGroup* placed =
-        instanced ? &impl_->instances[hit.instID[0] - impl_->top.targets.size()] : nullptr;
-    const Target& target = (placed ? *placed->group : impl_->top).targets[hit.geomID];
-    if (target.mesh) {
-        target.mesh->interaction(hit.primID, Vec2f(hit.u, hit.v), si);
-    } else {
-        // The same call with the same ray as in the traversal: it finds the same hit.
-        float t = kInfinity;
-        target.analytic->intersect(context.analyticRay, 0, t, &si);
-    }
-    if (placed) {
-        const Transform& m = placed->toWorld;
-        si.p = m.point(si.p);
-        si.ng = normalize(m.normal(si.ng));
-        si.ns = normalize(m.normal(si.ns));
-        si.placement = &m;
-        si.s = Frame::fromNormalAndTangent(si.ns, partials(si).dpdu).s;
-    } else {
-        si.placement = nullptr;
-    }
+    impl_->interaction({hit.geomID, hit.primID, hit.instID[0], {hit.u, hit.v}}, analyticRay, si);
     return true;
+}
+
+void Intersector::intersect(RayBatch& batch, Coherence coherence) const {
+    const size_t n = batch.size();
+    batch.hits.resize(n);
+    Ray* analyticRays = nullptr;
+    if (impl_->hasAnalytic) {
+        batch.localRays.resize(n);
+        analyticRays = batch.localRays.data();
+    }
+    const RTCScene scene = impl_->top.scene;
+    {
+        const BatchTimer timer(&RayCounters::intersectRays, n);
+        if (areFew(n) || impl_->packetWidth == 1) {
+            Ray unused;
+            for (size_t i = 0; i < n; ++i) {
+                RTCRayHit query;
+                nearest(scene, batch.rays[i], query, analyticRays ? analyticRays[i] : unused);
+                const RTCHit& hit = query.hit;
+                batch.hits[i] = {hit.geomID, hit.primID, hit.instID[0], {hit.u, hit.v}};
+            }
+        } else if (impl_->packetWidth == 16) {
+            intersectPackets<16>(scene, batch, coherence, analyticRays);
+        } else if (impl_->packetWidth == 8) {
+            intersectPackets<8>(scene, batch, coherence, analyticRays);
+        } else {
+            intersectPackets<4>(scene, batch, coherence, analyticRays);
+        }
+    }
+    if (RayRecorder* recorder = RayRecorder::active())
+        for (size_t i = 0; i < n; ++i) recorder->add({batch.rays[i], false, batch.hits[i].found()});
+}
+
+void Intersector::interaction(const RayBatch& batch, size_t i, SurfaceInteraction& si) const {
+    impl_->interaction(batch.hits[i], impl_->hasAnalytic ? batch.localRays[i] : batch.rays[i], si);
 }
 
 bool Intersector::occluded(const Ray& ray) const {
@@ -301,13 +444,32 @@ bool Intersector::occluded(const Ray& ray) const {
     return found;
 }
 
+void Intersector::occluded(OcclusionBatch& batch) const {
+    const size_t n = batch.size();
+    batch.blocked.resize(n);
+    const RTCScene scene = impl_->top.scene;
+    {
+        const BatchTimer timer(&RayCounters::shadowRays, n);
+        if (areFew(n) || impl_->packetWidth == 1)
+            for (size_t i = 0; i < n; ++i) batch.blocked[i] = anything(scene, batch.rays[i]);
+        else if (impl_->packetWidth == 16)
+            occludedPackets<16>(scene, batch);
+        else if (impl_->packetWidth == 8)
+            occludedPackets<8>(scene, batch);
+        else
+            occludedPackets<4>(scene, batch);
+    }
+    if (RayRecorder* recorder = RayRecorder::active())
+        for (size_t i = 0; i < n; ++i) recorder->add({batch.rays[i], true, batch.blocked[i] != 0});
+}
+
 size_t Intersector::replay(std::span<const RecordedRay> rays) const {
     size_t different = 0;
-    QueryContext context;
+    Ray analyticRay;
     RTCRayHit query;
     for (const RecordedRay& r : rays) {
         const bool found = r.occlusion ? anything(impl_->top.scene, r.ray)
-                                       : nearest(impl_->top.scene, r.ray, context, query);
+                                       : nearest(impl_->top.scene, r.ray, query, analyticRay);
         different += found != r.hit;
     }
     return different;

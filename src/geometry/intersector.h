@@ -1,4 +1,5 @@
 #pragma once
+#include "geometry/ray_batch.h"
 #include "geometry/ray_recorder.h"
 #include "geometry/shape.h"
 
@@ -27,6 +28,13 @@ class Intersector {
     bool intersect(const Ray& ray, SurfaceInteraction& si) const;
     /// Whether anything lies within (0, ray.tMax).
     bool occluded(const Ray& ray) const;
+
+    /// The same for many rays at once: fills `hits`.
+    void intersect(RayBatch& batch, Coherence coherence = Coherence::None) const;
+    /// The point of the i-th ray's hit, which was found.
+    void interaction(const RayBatch& batch, size_t i, SurfaceInteraction& si) const;
+    /// Fills `blocked`.
+    void occluded(OcclusionBatch& batch) const;
 
     /// Asks Embree the same again and does nothing with the answers: what tracing rays alone costs. Returns
     /// how many answers differ from the recorded ones (none, on the scene that they were recorded on).

@@ -56,4 +56,28 @@ class RayTimer {
     bool timed_ = false;
 };
 
+/// Counts the rays of a batch and their time, which enters the sum as that of one ray in kTimedEvery would.
+class BatchTimer {
+  public:
+    BatchTimer(std::atomic<uint64_t> RayCounters::*kind, uint64_t rays)
+        : counters_(RayCounters::ofThisThread()), start_(std::chrono::steady_clock::now()) {
+        auto& counter = counters_.*kind;
+        counter.store(counter.load(std::memory_order_relaxed) + rays, std::memory_order_relaxed);
+    }
+    ~BatchTimer() {
+        const auto elapsed = std::chrono::steady_clock::now() - start_;
+        const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(elapsed).count();
+        auto& sum = counters_.timedNanoseconds;
+        sum.store(
+            sum.load(std::memory_order_relaxed) + static_cast<uint64_t>(nanoseconds) / RayTimer::kTimedEvery,
+            std::memory_order_relaxed);
+    }
+    BatchTimer(const BatchTimer&) = delete;
+    BatchTimer& operator=(const BatchTimer&) = delete;
+
+  private:
+    RayCounters& counters_;
+    std::chrono::steady_clock::time_point start_;
+};
+
 }  // namespace metrolux

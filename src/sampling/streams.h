@@ -73,8 +73,4 @@ class SobolStream final : public SampleStream {
     uint64_t coordinate_ = 0;
 };
 
-/// The first `32` digits of the index-th point of the second dimension of Sobol's sequence, the most
-/// significant one in bit 0.
-uint32_t sobolSecondReversed(uint32_t index);
-
 }  // namespace metrolux

@@ -59,18 +59,14 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
 
 Scene::~Scene() = default;
 
-bool Scene::visible(const Vec3f& a, const Vec3f& ngA, const Vec3f& b, const Vec3f& ngB) const {
+Ray Scene::rayBetween(const Vec3f& a, const Vec3f& ngA, const Vec3f& b, const Vec3f& ngB) const {
     const Vec3f rough = b - a;
     const Vec3f from = ngA == Vec3f(0.0f) ? a : offsetRayOrigin(a, ngA, rough);
     const Vec3f to = ngB == Vec3f(0.0f) ? b : offsetRayOrigin(b, ngB, -rough);
     const Vec3f d = to - from;
     const float distance = d.length();
-    if (!(distance > 0)) return true;
-    return !intersector_->occluded({from, d * (1.0f / distance), distance * (1.0f - kShadowEpsilon)});
-}
-
-bool Scene::visibleToInfinity(const Vec3f& x, const Vec3f& ng, const Vec3f& w) const {
-    return !intersector_->occluded({offsetRayOrigin(x, ng, w), w, kInfinity});
+    if (!(distance > 0)) return {from, Vec3f(0, 0, 1), 0};
+    return {from, d * (1.0f / distance), distance * (1.0f - kShadowEpsilon)};
 }
 
 Scene::LightChoice Scene::chooseLightForConnection(const Vec3f& x, float& u) const {

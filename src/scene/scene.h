@@ -48,9 +48,20 @@ class Scene {
     bool intersect(const Ray& ray, SurfaceInteraction& si) const { return intersector_->intersect(ray, si); }
     /// Whether the segment between two surface points is free. The normals (zero when there is none) serve to
     /// move the ends off their surfaces.
-    bool visible(const Vec3f& a, const Vec3f& ngA, const Vec3f& b, const Vec3f& ngB) const;
+    bool visible(const Vec3f& a, const Vec3f& ngA, const Vec3f& b, const Vec3f& ngB) const {
+        return isFree(rayBetween(a, ngA, b, ngB));
+    }
     /// Whether x sees infinity in direction w.
-    bool visibleToInfinity(const Vec3f& x, const Vec3f& ng, const Vec3f& w) const;
+    bool visibleToInfinity(const Vec3f& x, const Vec3f& ng, const Vec3f& w) const {
+        return isFree(rayToInfinity(x, ng, w));
+    }
+    /// The rays whose occlusion tells these; of length zero when the points coincide, which nothing is
+    /// between.
+    Ray rayBetween(const Vec3f& a, const Vec3f& ngA, const Vec3f& b, const Vec3f& ngB) const;
+    Ray rayToInfinity(const Vec3f& x, const Vec3f& ng, const Vec3f& w) const {
+        return {offsetRayOrigin(x, ng, w), w, kInfinity};
+    }
+    bool isFree(const Ray& ray) const { return !(ray.tMax > 0) || !intersector_->occluded(ray); }
 
     const Intersector& intersector() const { return *intersector_; }
     const Camera& camera() const { return *parts_.camera; }

@@ -41,17 +41,16 @@ Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f
     return radiance * throughput * static_cast<float>(hitWeight(strategies, mis, connect, emission));
 }
 
-Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
-                   const Vec2f& u) {
+bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
+                  const Vec2f& u, PendingConnection& pending) {
     const Scene::LightChoice choice = scene.chooseLightForConnection(eye.si.p, uLight);
-    if (!choice.light) return Rgb(0.0f);
+    if (!choice.light) return false;
     const std::optional<EndpointConnection> c = choice.light->connect(eye.si.p, u);
-    if (!c || isBlack(c->value)) return Rgb(0.0f);
+    if (!c || isBlack(c->value)) return false;
     const VertexScattering s = scatterEye(eye, c->wi);
-    if (isBlack(s.value)) return Rgb(0.0f);
-    const bool free = choice.light->isInfinite() ? scene.visibleToInfinity(eye.si.p, eye.si.ng, c->wi)
-                                                 : scene.visible(eye.si.p, eye.si.ng, c->point, c->ng);
-    if (!free) return Rgb(0.0f);
+    if (isBlack(s.value)) return false;
+    pending.shadow = choice.light->isInfinite() ? scene.rayToInfinity(eye.si.p, eye.si.ng, c->wi)
+                                                : scene.rayBetween(eye.si.p, eye.si.ng, c->point, c->ng);
 
     LightEdge edge;
     edge.kind = kindOf(*choice.light);
@@ -63,7 +62,15 @@ Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Verte
     edge.cosineSurface = absDot(c->wi, eye.si.ng);
     edge.distanceSquared = sqr(double(c->distance));
     const double weight = neeWeight(strategies, eye.mis, edge, s.pdfForward, s.pdfReverse, eye.mergeShare);
-    return eye.throughput * s.value * c->value * static_cast<float>(weight / choice.probability);
+    pending.value = eye.throughput * s.value * c->value * static_cast<float>(weight / choice.probability);
+    return true;
+}
+
+Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
+                   const Vec2f& u) {
+    PendingConnection pending;
+    if (!prepareLight(scene, strategies, eye, uLight, u, pending)) return Rgb(0.0f);
+    return scene.isFree(pending.shadow) ? pending.value : Rgb(0.0f);
 }
 
 Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,

@@ -14,7 +14,15 @@ Rgb hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v);
 Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from,
                    const Vec3f& direction, const Rgb& throughput, const MisState& mis, int depth);
 
-/// Eye vertex to a fresh light point (s = 1).
+/// A connection whose visibility is still to be asked for.
+struct PendingConnection {
+    Rgb value{0.0f};  ///< if nothing is in the way
+    Ray shadow;       ///< Scene::intersector().occluded tells
+};
+
+/// Eye vertex to a fresh light point (s = 1). False when its value is zero whatever is in the way.
+bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
+                  const Vec2f& u, PendingConnection& pending);
 Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
                    const Vec2f& u);
 

@@ -3,7 +3,11 @@
 #include "base/parallel.h"
 #include "sampling/streams.h"
 #include "transport/connect.h"
+#include "transport/eye_wave.h"
 #include "transport/subpath.h"
+
+#include <array>
+#include <memory>
 
 namespace metrolux {
 
@@ -13,41 +17,30 @@ namespace {
 class EyeVisitor final : public SubpathVisitor {
   public:
     EyeVisitor(const EyePass& pass, SampleStream& nee, Film& film, std::vector<Vertex>& kept)
-        : pass_(pass), nee_(nee), film_(film), kept_(kept) {}
+        : pass_(pass), gathering_(pass, film), nee_(nee), film_(film), kept_(kept) {}
 
     const Rgb& sum() const { return sum_; }
 
     bool surface(const Vertex& v) override {
-        const PathLimits& limits = pass_.limits;
-        if (v.si.shape->emitter && countsHit(v.depth)) add(hitLight(pass_.scene, pass_.strategies, v));
-        if (pass_.deepest >= 0 && v.depth >= pass_.deepest) return false;
-        gathers_ = v.bsdf().hasSmoothLobe() && !(pass_.photonMapping && v.bsdf().isNarrow(v.si));
-        if (gathers_) {
-            const bool extensible = limits.maxDepth < 0 || v.depth < limits.maxDepth;
-            if (pass_.nextEvent && extensible) sum_ += pass_.estimateDirect(v, nee_, film_);
-            if (pass_.keepVertices && extensible) kept_.push_back(v);
+        gathering_.hit(v, sum_);
+        if (gathering_.ends(v)) return false;
+        gathers_ = gathering_.gathers(v);
+        if (gathers_ && gathering_.extensible(v)) {
+            if (pass_.nextEvent) sum_ += pass_.estimateDirect(v, nee_, film_);
+            if (pass_.keepVertices) kept_.push_back(v);
         }
         return true;
     }
 
-    bool scattered(bool delta) override { return delta || !pass_.photonMapping || !gathers_; }
+    bool scattered(bool delta) override { return gathering_.follows(gathers_, delta); }
 
-    void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput, const MisState& mis,
-                 int depth) override {
-        if (countsHit(depth))
-            add(hitEnvironment(pass_.scene, pass_.strategies, from, direction, throughput, mis, depth));
+    void escaped(const Vec3f& from, const WalkEdge& edge, int depth) override {
+        gathering_.escaped(from, edge, depth, sum_);
     }
 
   private:
-    bool countsHit(int depth) const {
-        if (depth == 1) return pass_.direct && !pass_.limits.hideEmitters;
-        return pass_.hit;
-    }
-    void add(const Rgb& value) {
-        if (!film_.rejectNonFinite(value, Technique::Hit)) sum_ += value;
-    }
-
     const EyePass& pass_;
+    EyeGathering gathering_;
     SampleStream& nee_;
     Film& film_;
     std::vector<Vertex>& kept_;
@@ -60,7 +53,7 @@ class EyeVisitor final : public SubpathVisitor {
 Rgb EyePass::estimateDirect(const Vertex& v, SampleStream& nee, Film& film) const {
     nee.seek(v.depth);
     const float uLight = nee.next1D();
-    nee.skip(1);  // keeps the pair that follows aligned
+    nee.skip(kLightPointCoordinate - kLightCoordinate - 1);
     const Rgb value = connectToLight(scene, strategies, v, uLight, nee.next2D());
     return film.rejectNonFinite(value, Technique::Nee) ? Rgb(0.0f) : value;
 }
@@ -72,37 +65,38 @@ Rgb EyePass::trace(SampleStream& stream, SampleStream& nee, const Vec2f& raster,
     return visitor.sum();
 }
 
+uint64_t EyePass::key(const FilmWindow& w, uint32_t pixel) const {
+    // Keyed by the position in the full image, so that a crop repeats the samples of the whole.
+    const uint64_t x = w.x + pixel % w.width, y = w.y + pixel / w.width;
+    return hashKey(seed, StreamPurpose::EyeSubpath, x, y);
+}
+
 void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& result) const {
-    constexpr size_t kChunk = 256;
+    constexpr size_t kChunk = 512;
     const size_t chunks = (pixels.size() + kChunk - 1) / kChunk;
-    std::vector<std::vector<Vertex>> kept(chunks);
-    result.starts_.assign(keepVertices ? pixels.size() + 1 : 0, 0);
+    std::vector<EyeWave::Kept> kept(chunks);
 
     parallelFor(chunks, [&](size_t chunk) {
-        for (size_t i = chunk * kChunk; i < std::min(pixels.size(), (chunk + 1) * kChunk); ++i) {
-            const uint32_t pixel = pixels[i];
-            // Keyed by the position in the full image, so that a crop repeats the samples of the whole.
-            const FilmWindow& w = film.window();
-            const uint64_t x = w.x + pixel % w.width, y = w.y + pixel / w.width;
-            const uint64_t key = hashKey(seed, StreamPurpose::EyeSubpath, x, y);
-            SobolStream stream(key, pass), nee(hashKey(key, 0x6e6565), pass);
-            stream.seek(0);
-            float weight = 1;
-            const Vec2f raster = film.samplePosition(pixel, stream.next2D(), weight);
-            const size_t before = kept[chunk].size();
-            film.addEye(pixel, trace(stream, nee, raster, weight, pixel, film, kept[chunk]));
-            if (keepVertices) result.starts_[i + 1] = kept[chunk].size() - before;
-        }
+        const size_t first = chunk * kChunk;
+        EyeWave(*this, film).run(pixels.subspan(first, std::min(kChunk, pixels.size() - first)), kept[chunk]);
     });
 
     result.vertices_.clear();
+    result.starts_.assign(keepVertices ? pixels.size() + 1 : 0, 0);
     if (!keepVertices) return;
+    for (size_t chunk = 0; chunk < chunks; ++chunk)
+        for (const uint32_t place : kept[chunk].places) ++result.starts_[chunk * kChunk + place + 1];
     for (size_t i = 0; i < pixels.size(); ++i) result.starts_[i + 1] += result.starts_[i];
     result.vertices_.resize(result.starts_.back());
     parallelFor(chunks, [&](size_t chunk) {
-        std::uninitialized_copy(kept[chunk].begin(), kept[chunk].end(),
-                                result.vertices_.begin() + result.starts_[chunk * kChunk]);
-        std::vector<Vertex>().swap(kept[chunk]);
+        const size_t first = chunk * kChunk;
+        std::array<size_t, kChunk> next;  // of each subpath
+        std::copy_n(result.starts_.begin() + static_cast<ptrdiff_t>(first),
+                    std::min(kChunk, pixels.size() - first), next.begin());
+        EyeWave::Kept& from = kept[chunk];
+        for (size_t i = 0; i < from.vertices.size(); ++i)
+            std::construct_at(&result.vertices_[next[from.places[i]]++], from.vertices[i]);
+        from = {};
     });
 }
 

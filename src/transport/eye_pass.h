@@ -1,9 +1,10 @@
 #pragma once
+#include "base/rng.h"
 #include "base/uninitialized.h"
 #include "image/film.h"
 #include "sampling/sample_stream.h"
 #include "scene/scene.h"
-#include "transport/vertex.h"
+#include "transport/walk.h"
 
 #include <span>
 #include <vector>
@@ -64,6 +65,14 @@ struct EyePass {
     /// contributions.
     Rgb trace(SampleStream& stream, SampleStream& nee, const Vec2f& raster, float weight, uint32_t pixel,
               Film& film, std::vector<Vertex>& kept) const;
+
+    /// Coordinates of a vertex's block of `nee`: the choice of a light, a point on it (aligned to a pair).
+    static constexpr int kLightCoordinate = 0, kLightPointCoordinate = 2;
+
+    /// The key of the subpath of a pixel, and that of its next-event estimation.
+    uint64_t key(const FilmWindow& window, uint32_t pixel) const;
+    static uint64_t neeKey(uint64_t key) { return hashKey(key, 0x6e6565); }
+    WalkRules rules() const { return {scene, limits, strategies, TransportMode::Radiance}; }
 
     /// Next-event estimation at one vertex of a subpath.
     Rgb estimateDirect(const Vertex& v, SampleStream& nee, Film& film) const;

@@ -37,10 +37,10 @@ class EmitterAt final : public SubpathVisitor {
         if (v.si.shape->emitter) value_ = hitLight(pair_.scene, pair_.strategies, v);
         return false;
     }
-    void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput, const MisState& mis,
-                 int depth) override {
+    void escaped(const Vec3f& from, const WalkEdge& edge, int depth) override {
         if (depth == depth_)
-            value_ = hitEnvironment(pair_.scene, pair_.strategies, from, direction, throughput, mis, depth);
+            value_ = hitEnvironment(pair_.scene, pair_.strategies, from, edge.ray.direction, edge.throughput,
+                                    edge.mis, depth);
     }
 
   private:
@@ -133,7 +133,7 @@ void PathPair::one(int length, SampleStream& u, SplatList& splats) const {
     if (s == 1) {
         streams.nee.seek(eye.vertex()->depth);
         const float uLight = streams.nee.next1D();
-        streams.nee.skip(1);  // as EyePass: keeps the pair that follows aligned
+        streams.nee.skip(EyePass::kLightPointCoordinate - EyePass::kLightCoordinate - 1);
         add(connectToLight(scene, strategies, *eye.vertex(), uLight, streams.nee.next2D()), Technique::Nee);
     } else {
         add(connectVertices(scene, strategies, *light.vertex(), *eye.vertex()), Technique::Connect);

@@ -1,7 +1,7 @@
 #pragma once
 #include "sampling/sample_stream.h"
 #include "scene/scene.h"
-#include "transport/vertex.h"
+#include "transport/walk.h"
 
 namespace metrolux {
 
@@ -16,11 +16,10 @@ class SubpathVisitor {
         (void)delta;
         return true;
     }
-    /// The walk leaves the scene in `direction` after `depth` edges (the escaping one included). `from` is
-    /// the last surface point, or the ray origin; mis.dVCM still refers to a density per solid angle.
-    virtual void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput,
-                         const MisState& mis, int depth) {
-        (void)from, (void)direction, (void)throughput, (void)mis, (void)depth;
+    /// The walk leaves the scene along `edge`, its edge number `depth`. `from` is the last surface point, or
+    /// the ray origin; edge.mis.dVCM refers to a density per solid angle.
+    virtual void escaped(const Vec3f& from, const WalkEdge& edge, int depth) {
+        (void)from, (void)edge, (void)depth;
     }
 };
 

@@ -234,13 +234,12 @@ class Collector final : public SubpathVisitor {
         vertices.push_back(v);
         return true;
     }
-    void escaped(const Vec3f& from, const Vec3f& direction, const Rgb& throughput, const MisState& mis,
-                 int depth) override {
+    void escaped(const Vec3f& from, const WalkEdge& edge, int depth) override {
         ended = true;
         escapeFrom = from;
-        escapeDirection = direction;
-        escapeThroughput = throughput;
-        escapeMis = mis;
+        escapeDirection = edge.ray.direction;
+        escapeThroughput = edge.throughput;
+        escapeMis = edge.mis;
         escapeDepth = depth;
     }
 };

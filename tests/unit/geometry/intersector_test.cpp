@@ -50,6 +50,88 @@ TEST(RayRecorder, ReplayFindsTheSameAnswers) {
     EXPECT_EQ(Intersector({}, {}).replay(rays), hits);
 }
 
+/// Each ray of a batch gets the answer that it gets alone, to the bit: meshes and analytic shapes, placed and
+/// instanced; packets that are full and not, and batches too small for packets.
+TEST(Intersector, BatchesGiveTheAnswersOfSingleRays) {
+    auto group = std::make_shared<ShapeGroup>();
+    group->shapes = {makeSphere(Transform(), {0, 0, 0}, 0.8f, false), makeRectangle(similarity(), false)};
+    const std::vector<ShapePtr> placed{makeSphere(Transform(), {2, 0, 0}, 1, false),
+                                       makeDisk(Transform::translate({-2, 0, 0}), false),
+                                       makeCylinder(Transform(), {0, 2, -1}, {0, 2, 1}, 0.5f, false),
+                                       makeCube(Transform::translate({0, -2, 0}), false)};
+    std::vector<Instance> instances;
+    for (int i = 0; i < 5; ++i)
+        instances.push_back(
+            {group, Transform::translate({0, 0, 2.0f * static_cast<float>(i) - 4}) * similarity() *
+                        Transform::scale({1, 1, 1.0f + static_cast<float>(i)})});
+    const Intersector scenes[] = {{placed, instances}, {{makeCube(Transform(), false)}, {}}};
+    for (const Intersector& scene : scenes)
+        for (const size_t count : {0, 1, 3, 4, 16, 17, 35, 1000}) {
+            CounterRng rng(hashKey(count));
+            RayBatch batch;
+            OcclusionBatch shadows;
+            for (size_t i = 0; i < count; ++i) {
+                const Vec3f from = warp::squareToSphere(rng.next2D()) * 6.0f;
+                const Vec3f to = warp::squareToSphere(rng.next2D()) * 2.5f;
+                batch.rays.push_back({from, normalize(to - from)});
+                shadows.rays.push_back({from, normalize(to - from), 10 * rng.next1D()});
+            }
+            for (const Coherence coherence : {Coherence::None, Coherence::High}) {
+                Intersector::resetStatistics();
+                scene.intersect(batch, coherence);
+                EXPECT_EQ(Intersector::statistics().intersectRays, count);
+                ASSERT_EQ(batch.hits.size(), count);
+                size_t hits = 0;
+                for (size_t i = 0; i < count; ++i) {
+                    SurfaceInteraction alone, together;
+                    ASSERT_EQ(scene.intersect(batch.rays[i], alone), batch.hits[i].found());
+                    if (!batch.hits[i].found()) continue;
+                    ++hits;
+                    scene.interaction(batch, i, together);
+                    EXPECT_EQ(alone.shape, together.shape);
+                    EXPECT_EQ(alone.placement, together.placement);
+                    EXPECT_EQ(alone.primitive, together.primitive);
+                    EXPECT_EQ(alone.p, together.p);
+                    EXPECT_EQ(alone.ng, together.ng);
+                    EXPECT_EQ(alone.s, together.s);
+                    EXPECT_EQ(alone.uv, together.uv);
+                }
+                if (count == 1000) {
+                    EXPECT_TRUE(hits > 100 && hits < 900) << hits;
+                }
+            }
+            scene.occluded(shadows);
+            ASSERT_EQ(shadows.blocked.size(), count);
+            for (size_t i = 0; i < count; ++i)
+                EXPECT_EQ(scene.occluded(shadows.rays[i]), shadows.blocked[i] != 0);
+        }
+}
+
+TEST(RayRecorder, RecordsBatches) {
+    const Intersector scene({makeCube(Transform(), false)}, {});
+    RayBatch batch;
+    OcclusionBatch shadows;
+    for (int i = 0; i < 20; ++i) {
+        batch.rays.push_back({{0.1f * static_cast<float>(i), 0.2f, 5}, {0, 0, -1}});
+        shadows.rays.push_back({{0.1f * static_cast<float>(i), 0.2f, 5}, {0, 0, -1}, 1});
+    }
+    RayRecorder recorder;
+    recorder.record([&] {
+        scene.intersect(batch);
+        scene.occluded(shadows);
+    });
+    ASSERT_EQ(recorder.byThread().size(), 1u);
+    const std::span<const RecordedRay> rays = recorder.byThread().front();
+    ASSERT_EQ(rays.size(), 40u);
+    for (size_t i = 0; i < 20; ++i) {
+        EXPECT_EQ(rays[i].ray.origin, batch.rays[i].origin);
+        EXPECT_FALSE(rays[i].occlusion);
+        EXPECT_EQ(rays[i].hit, batch.rays[i].origin.x <= 1);
+        EXPECT_TRUE(rays[20 + i].occlusion);
+        EXPECT_FALSE(rays[20 + i].hit);
+    }
+}
+
 TEST(Intersector, FindsTheNearestOfMixedShapes) {
     std::vector<ShapePtr> shapes;
     for (int i = 0; i < 6; ++i) {

@@ -1,5 +1,6 @@
 #include "sampling/streams.h"
 
+#include "sampling/sobol.h"
 #include "support/goodness_of_fit.h"
 
 #include <gtest/gtest.h>
@@ -48,6 +49,23 @@ TEST(IndependentStream, SeekReproducesACoordinateFromAnywhere) {
     EXPECT_EQ(pair, Vec2f(forth[4], forth[5]));
 }
 
+TEST(SobolStream, ManyAtOnceGiveTheSameNumbers) {
+    constexpr uint32_t kIndex = 1234567;
+    constexpr size_t kStreams = 37;  // not whole vectors
+    std::vector<uint64_t> keyHashes;
+    for (uint64_t key = 0; key < kStreams; ++key) keyHashes.push_back(hashKey(key));
+    std::vector<float> single(kStreams), x(kStreams), y(kStreams);
+    const auto first = static_cast<uint64_t>(SampleStream::blockOffset(3));
+    sobol::points1D(keyHashes, sobol::reverseBits(kIndex), first, single.data());
+    sobol::points2D(keyHashes, sobol::reverseBits(kIndex), first + 1, x.data(), y.data());
+    for (size_t i = 0; i < kStreams; ++i) {
+        SobolStream stream(i, kIndex);
+        stream.seek(3);
+        EXPECT_EQ(single[i], stream.next1D());
+        EXPECT_EQ(Vec2f(x[i], y[i]), stream.next2D());
+    }
+}
+
 /// By the recurrence of the direction numbers.
 uint32_t sobolSecondByDefinition(uint32_t index) {
     uint32_t result = 0;
@@ -59,11 +77,11 @@ uint32_t sobolSecondByDefinition(uint32_t index) {
 TEST(SobolStream, SecondDimensionIsSobols) {
     // The first eight points are 0, 1/2, 3/4, 1/4, 5/8, 1/8, 3/8, 7/8.
     const uint32_t eighths[] = {0, 1, 3, 2, 5, 4, 6, 7};
-    for (uint32_t i = 0; i < 8; ++i) EXPECT_EQ(sobolSecondReversed(i), eighths[i]) << i;
+    for (uint32_t i = 0; i < 8; ++i) EXPECT_EQ(sobol::secondReversed(i), eighths[i]) << i;
     CounterRng rng(hashKey(77));
     for (int i = 0; i < 10000; ++i) {
         const auto index = static_cast<uint32_t>(rng.nextBits());
-        ASSERT_EQ(sobolSecondReversed(index), sobolSecondByDefinition(index)) << index;
+        ASSERT_EQ(sobol::secondReversed(index), sobolSecondByDefinition(index)) << index;
     }
 }
 

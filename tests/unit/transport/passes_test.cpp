@@ -59,6 +59,46 @@ TEST(EyePass, GivesTheSameBitsOnOneAndTwoThreads) {
     }
 }
 
+/// Side by side or one by one: the same subpaths, and the same sums to the bit.
+TEST(EyePass, SubpathsSideBySideEqualThoseAlone) {
+    const std::shared_ptr<Scene> scene = glassScene();
+    for (const bool photonMapping : {false, true}) {
+        PathLimits limits = scene->parts().limits;
+        limits.rouletteDepth = 3;
+        const Strategies strategies = Strategies::bidirectional(1, 0.1);
+        const std::vector<uint32_t> pixels = hilbertOrder(48, 40);
+        Film together(scene->camera().window(), gaussian()), alone(scene->camera().window(), gaussian());
+        EyePass pass{*scene, limits, strategies, 7, 5};
+        pass.photonMapping = photonMapping;
+        EyeVertices eyes;
+        pass.run(pixels, together, eyes);
+
+        for (size_t i = 0; i < pixels.size(); ++i) {
+            const uint64_t key = pass.key(alone.window(), pixels[i]);
+            SobolStream stream(key, pass.pass), nee(EyePass::neeKey(key), pass.pass);
+            stream.seek(0);
+            float weight = 1;
+            const Vec2f raster = alone.samplePosition(pixels[i], stream.next2D(), weight);
+            std::vector<Vertex> kept;
+            alone.addEye(pixels[i], pass.trace(stream, nee, raster, weight, pixels[i], alone, kept));
+            ASSERT_EQ(kept.size(), eyes.subpath(i).size());
+            for (size_t k = 0; k < kept.size(); ++k) {
+                const Vertex &a = kept[k], &b = eyes.subpath(i)[k];
+                ASSERT_EQ(a.si.p, b.si.p);
+                ASSERT_EQ(a.toPrevious, b.toPrevious);
+                ASSERT_EQ(a.throughput, b.throughput);
+                ASSERT_EQ(a.depth, b.depth);
+                ASSERT_EQ(a.mis.dVCM, b.mis.dVCM);
+                ASSERT_EQ(a.mis.dVC, b.mis.dVC);
+                ASSERT_EQ(a.mis.dVM, b.mis.dVM);
+            }
+        }
+        together.endPass();
+        alone.endPass();
+        ASSERT_EQ(together.image(), alone.image());
+    }
+}
+
 TEST(EyePass, KeepsTheVerticesOfEachSubpathTogether) {
     const std::shared_ptr<Scene> scene = glassScene();
     EyeResult r;

@@ -1,0 +1,120 @@
+#pragma once
+#include "scene/scene.h"
+#include "transport/vertex.h"
+
+namespace metrolux {
+
+/// The steps of a random walk, which one subpath takes alone (subpath.h) and many take side by side
+/// (eye_pass.cpp). The only home of throughput, roulette, the adjoint correction and the MIS recursion.
+
+/// The edge of a subpath that is to be traced next.
+struct WalkEdge {
+    Ray ray;
+    Rgb throughput{0.0f};
+    MisState mis;        ///< after scattering, before arrival
+    bool delta = false;  ///< scattered by a delta lobe
+};
+
+/// What is the same for all vertices of a walk.
+struct WalkRules {
+    const Scene& scene;
+    const PathLimits& limits;
+    const Strategies& strategies;
+    TransportMode mode;
+
+    /// Subpaths of unlimited depth end here; roulette has long since ended any that lose energy.
+    static constexpr int kDepthCap = 512;
+    int depthLimit() const { return limits.maxDepth < 0 ? kDepthCap : std::min(limits.maxDepth, kDepthCap); }
+    bool plays(int depth) const { return depth >= limits.rouletteDepth; }
+};
+
+/// Chooses the next direction at `v`: `uLobe` picks the lobe, `u` the direction. `roulette()` gives the
+/// number for roulette where it plays. False when the walk ends.
+template <class Roulette>
+bool scatter(const WalkRules& walk, const Vertex& v, float uLobe, const Vec2f& u, Roulette&& roulette,
+             WalkEdge& next) {
+    /// Survival probability never exceeds this once roulette is on, so that lossless scenes end.
+    constexpr float kMaximalSurvival = 0.95f;
+    const Bsdf& bsdf = v.bsdf();
+    const Vec3f known = v.si.toLocal(v.toPrevious);
+    const std::optional<BsdfSample> s = bsdf.sample(v.si, known, walk.mode, uLobe, u);
+    if (!s) return false;
+    const Vec3f direction = normalize(v.si.toWorld(s->direction));
+
+    next.throughput = v.throughput * s->weight;
+    if (walk.mode == TransportMode::Importance) next.throughput *= lightSampleFactor(v, direction);
+
+    if (walk.plays(v.depth)) {
+        // Local quantities only: the survival probability does not depend on how the walk came here.
+        const float survival = std::min(maxComponent(bsdf.albedo(v.si)), kMaximalSurvival);
+        if (!(roulette() < survival)) return false;
+        next.throughput *= 1.0f / survival;
+    }
+    if (isBlack(next.throughput)) return false;
+
+    const double cosine = absDot(direction, v.si.ng);
+    if (!(cosine > 0)) return false;
+    next.mis = v.mis;
+    next.delta = s->delta;
+    if (s->delta) {
+        double solidAngleRatio = 1;
+        if (s->transmitted)
+            solidAngleRatio = absCosTheta(known) / (double(absCosTheta(s->direction)) * s->eta * s->eta);
+        next.mis.scatterDelta(cosine, s->pdfReverse / s->pdfForward, solidAngleRatio);
+    } else {
+        next.mis.scatter(walk.strategies, cosine, s->pdfForward, s->pdfReverse, v.mergeShare);
+    }
+    next.ray = {offsetRayOrigin(v.si.p, v.si.ng, direction), direction, kInfinity};
+    return true;
+}
+
+/// The vertex before has become the one where `edge` ends: `v.si` is the hit, everything else still that of
+/// the vertex at `from`. `certain`: whether an eye subpath has met no smooth surface before, so that its next
+/// vertex is not there by chance. False when the walk ends.
+inline bool arrive(const WalkRules& walk, const WalkEdge& edge, const Vec3f& from, bool& certain, Vertex& v) {
+    const double cosine = absDot(edge.ray.direction, v.si.ng);
+    if (!(cosine > 0)) return false;
+    v.distanceToPrevious = (v.si.p - from).length();
+    v.mis = edge.mis;
+    v.mis.arrive(sqr(double(v.distanceToPrevious)), cosine);
+    v.toPrevious = -edge.ray.direction;
+    v.throughput = edge.throughput;
+    certain &= edge.delta;
+    v.mergeShare = certain ? 1.0f : static_cast<float>(walk.strategies.mergeShare(v.si.p));
+    ++v.depth;
+    return true;
+}
+
+/// The first edge of an eye subpath, from the camera through `raster`. False when no light can come that way.
+inline bool startEye(const WalkRules& walk, const Vec2f& uLens, const Vec2f& raster, float weight,
+                     WalkEdge& first) {
+    const Camera& camera = walk.scene.camera();
+    const std::optional<EndpointRay> start = camera.sampleRay(uLens, raster);
+    if (!start) return false;
+    first.mis = camera.isInfinite() ? MisState::startEyeInfinite(walk.strategies, start->pdfPosition)
+                                    : MisState::startEye(walk.strategies, start->pdfDirection);
+    first.throughput = start->weight * weight;
+    first.ray = {start->origin, start->direction, kInfinity};
+    return true;
+}
+
+/// As arrive(), at the first vertex.
+inline bool arriveFromCamera(const WalkRules& walk, const WalkEdge& first, uint32_t pixel, Vertex& v) {
+    const Camera& camera = walk.scene.camera();
+    const double cosine = absDot(first.ray.direction, v.si.ng);
+    if (!(cosine > 0)) return false;
+    // The camera's ray may start at a near plane: distances count from the centre of projection.
+    const Vec3f origin = camera.isInfinite() ? first.ray.origin
+                                             : camera.projectionCenter(first.ray.origin, first.ray.direction);
+    v.distanceToPrevious = (v.si.p - origin).length();
+    v.mis = first.mis;
+    v.mis.arrive(camera.isInfinite() ? 1.0 : sqr(double(v.distanceToPrevious)), cosine);
+    v.toPrevious = -first.ray.direction;
+    v.throughput = first.throughput;
+    v.mergeShare = 1;
+    v.pixel = pixel;
+    v.depth = 1;
+    return true;
+}
+
+}  // namespace metrolux

@@ -101,6 +101,7 @@ class TriangleMesh final : public Shape {
 
     float area() const override { return totalArea_; }
     ShapeSample sampleArea(const Vec2f& u) const override;
+    std::optional<ShapeSample> sampleToward(const Vec3f& reference, const Vec2f& u) const override;
     void bounds(Vec3f& lower, Vec3f& upper) const override;
     DirectionCone normalCone() const override;
     Partials partialsAt(const SurfaceInteraction& si) const override;
@@ -117,6 +118,7 @@ class TriangleMesh final : public Shape {
     /// The part of interaction() that light sources need: all but the shading frame. Returns the edges from
     /// the first vertex.
     Edges place(uint32_t triangle, const Vec2f& barycentric, SurfaceInteraction& si) const;
+    void sampleAreaInto(const Vec2f& u, ShapeSample& result) const;
     /// Unit normal of the triangle with these vertices; `scaled`: cross product of its edges.
     Vec3f geometricNormal(const uint32_t* vertices, const Imath::V3d& scaled) const;
 

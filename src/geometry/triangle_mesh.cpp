@@ -177,7 +177,18 @@ Partials TriangleMesh::partialsAt(const SurfaceInteraction& si) const {
 
 ShapeSample TriangleMesh::sampleArea(const Vec2f& u) const {
     ShapeSample result;
-    if (!(totalArea_ > 0)) return result;
+    sampleAreaInto(u, result);
+    return result;
+}
+
+std::optional<ShapeSample> TriangleMesh::sampleToward(const Vec3f&, const Vec2f& u) const {
+    std::optional<ShapeSample> result(std::in_place);
+    sampleAreaInto(u, *result);
+    return result;
+}
+
+void TriangleMesh::sampleAreaInto(const Vec2f& u, ShapeSample& result) const {
+    if (!(totalArea_ > 0)) return;
     const double total = areaCdf_.back();
     const double target = std::min(static_cast<double>(u.x), static_cast<double>(kOneMinusEpsilon)) * total;
     // The first entry above the target is never that of a triangle of zero area, which equals its
@@ -196,7 +207,6 @@ ShapeSample TriangleMesh::sampleArea(const Vec2f& u) const {
     result.si.ns = result.si.ng;
     result.si.s = Frame::fromNormal(result.si.ng).s;
     result.pdfArea = 1.0f / totalArea_;
-    return result;
 }
 
 void TriangleMesh::bounds(Vec3f& lower, Vec3f& upper) const {

@@ -72,7 +72,8 @@ Ray Scene::rayBetween(const Vec3f& a, const Vec3f& ngA, const Vec3f& b, const Ve
 Scene::LightChoice Scene::chooseLightForConnection(const Vec3f& x, float& u) const {
     if (connection_->empty()) return {};
     const LightSelector::Choice choice = connection_->sample(x, u);
-    return {parts_.lights[choice.light].get(), choice.probability};
+    return {parts_.lights[choice.light].get(), choice.probability,
+            static_cast<float>(emission_.pmf(choice.light))};
 }
 
 float Scene::connectionProbability(const Vec3f& x, const Light* light) const {
@@ -82,7 +83,8 @@ float Scene::connectionProbability(const Vec3f& x, const Light* light) const {
 Scene::LightChoice Scene::chooseLightForEmission(float& u) const {
     if (parts_.lights.empty()) return {};
     const size_t i = emission_.sample(u);
-    return {parts_.lights[i].get(), static_cast<float>(emission_.pmf(i))};
+    const auto probability = static_cast<float>(emission_.pmf(i));
+    return {parts_.lights[i].get(), probability, probability};
 }
 
 float Scene::emissionProbability(const Light* light) const {

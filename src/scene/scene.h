@@ -73,6 +73,7 @@ class Scene {
     struct LightChoice {
         const Light* light = nullptr;
         float probability = 0;
+        float emissionProbability = 0;  ///< as emissionProbability(light)
     };
     /// Picks a light for next-event estimation at x.
     LightChoice chooseLightForConnection(const Vec3f& x, float& u) const;

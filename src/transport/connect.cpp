@@ -57,7 +57,7 @@ bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex
     edge.delta = choice.light->isDelta();
     edge.connect = double(c->pdf) * choice.probability;
     edge.position = c->pdfPosition;
-    edge.direction = double(c->pdfDirection) * scene.emissionProbability(choice.light);
+    edge.direction = double(c->pdfDirection) * choice.emissionProbability;
     edge.cosineLight = c->cosine;
     edge.cosineSurface = absDot(c->wi, eye.si.ng);
     edge.distanceSquared = sqr(double(c->distance));

@@ -11,8 +11,10 @@ void EyeWave::run(std::span<const uint32_t> pixels, Kept& kept) {
         pass_.scene.intersector().intersect(rays_, depth == 1 ? Coherence::High : Coherence::None);
         arrive(pixels, depth);
         makeNumbers(depth);
-        scatter(depth, kept);
-        settleDirect();
+        // One loop for each thing to do: its code stays in the cache, and the processor overlaps lanes.
+        gather(kept);
+        estimateDirect();
+        scatter(depth);
     }
     for (size_t i = 0; i < pixels.size(); ++i) film_.addEye(pixels[i], lanes_[i].sum);
 }
@@ -56,9 +58,11 @@ void EyeWave::arrive(std::span<const uint32_t> pixels, int depth) {
             continue;
         }
         pass_.scene.intersector().interaction(rays_, k, v.si);
-        if (depth == 1 ? arriveFromCamera(walk, lane.edge, pixels[active_[k]], v)
-                       : metrolux::arrive(walk, lane.edge, from, lane.certain, v))
-            active_[arrived++] = active_[k];
+        if (!(depth == 1 ? arriveFromCamera(walk, lane.edge, pixels[active_[k]], v)
+                         : metrolux::arrive(walk, lane.edge, from, lane.certain, v)))
+            continue;
+        v.bsdf().prefetch(v.si);  // read by scatter(), when all lanes have arrived
+        active_[arrived++] = active_[k];
     }
     active_.resize(arrived);
 }
@@ -92,17 +96,30 @@ void EyeWave::makeNumbers(int depth) {
     points2D(u.neeKeys, EyePass::kLightPointCoordinate, u.lightX, u.lightY);
 }
 
-void EyeWave::estimateDirect(size_t k) {
-    const Numbers& u = numbers_;
-    PendingConnection pending;
-    if (!prepareLight(pass_.scene, pass_.strategies, lanes_[active_[k]].v, u.light[k],
-                      {u.lightX[k], u.lightY[k]}, pending))
-        return;
-    waiting_.push_back({active_[k], pending.value});
-    shadows_.rays.push_back(pending.shadow);
+void EyeWave::gather(Kept& kept) {
+    for (const uint32_t i : active_) {
+        Lane& lane = lanes_[i];
+        gathering_.hit(lane.v, lane.sum);
+        lane.gathers = !gathering_.ends(lane.v) && gathering_.gathers(lane.v);
+        if (!pass_.keepVertices || !lane.gathers || !gathering_.extensible(lane.v)) continue;
+        kept.vertices.push_back(lane.v);
+        kept.places.push_back(i);
+    }
 }
 
-void EyeWave::settleDirect() {
+void EyeWave::estimateDirect() {
+    if (!pass_.nextEvent) return;
+    const Numbers& u = numbers_;
+    PendingConnection pending;
+    for (size_t k = 0; k < active_.size(); ++k) {
+        const Lane& lane = lanes_[active_[k]];
+        if (!lane.gathers || !gathering_.extensible(lane.v) ||
+            !prepareLight(pass_.scene, pass_.strategies, lane.v, u.light[k], {u.lightX[k], u.lightY[k]},
+                          pending))
+            continue;
+        waiting_.push_back({active_[k], pending.value});
+        shadows_.rays.push_back(pending.shadow);
+    }
     pass_.scene.intersector().occluded(shadows_);
     for (size_t i = 0; i < waiting_.size(); ++i)
         if (!shadows_.blocked[i] && !film_.rejectNonFinite(waiting_[i].value, Technique::Nee))
@@ -111,34 +128,24 @@ void EyeWave::settleDirect() {
     shadows_.clear();
 }
 
-void EyeWave::scatter(int depth, Kept& kept) {
+void EyeWave::scatter(int depth) {
     const WalkRules walk = pass_.rules();
     const Numbers& u = numbers_;
     size_t left = 0;
     rays_.clear();
-    for (size_t k = 0; k < active_.size(); ++k) {
-        const uint32_t i = active_[k];
-        Lane& lane = lanes_[i];
-        const Vertex& v = lane.v;
-        gathering_.hit(v, lane.sum);
-        if (gathering_.ends(v)) continue;
-        lane.gathers = gathering_.gathers(v);
-        if (lane.gathers && gathering_.extensible(v)) {
-            if (pass_.nextEvent) estimateDirect(k);
-            if (pass_.keepVertices) {
-                kept.vertices.push_back(v);
-                kept.places.push_back(i);
-            }
+    if (depth < walk.depthLimit())
+        for (size_t k = 0; k < active_.size(); ++k) {
+            const uint32_t i = active_[k];
+            Lane& lane = lanes_[i];
+            if (gathering_.ends(lane.v) ||
+                !metrolux::scatter(
+                    walk, lane.v, u.lobe[k], {u.scatterX[k], u.scatterY[k]}, [&] { return u.roulette[k]; },
+                    lane.edge) ||
+                !gathering_.follows(lane.gathers, lane.edge.delta))
+                continue;
+            active_[left++] = i;
+            rays_.rays.push_back(lane.edge.ray);
         }
-        if (depth >= walk.depthLimit() ||
-            !metrolux::scatter(
-                walk, v, u.lobe[k], {u.scatterX[k], u.scatterY[k]}, [&] { return u.roulette[k]; },
-                lane.edge) ||
-            !gathering_.follows(lane.gathers, lane.edge.delta))
-            continue;
-        active_[left++] = i;
-        rays_.rays.push_back(lane.edge.ray);
-    }
     active_.resize(left);
 }
 

@@ -75,9 +75,9 @@ class EyeWave {
     void start(std::span<const uint32_t> pixels);
     void arrive(std::span<const uint32_t> pixels, int depth);
     void makeNumbers(int depth);
-    void estimateDirect(size_t k);
-    void settleDirect();
-    void scatter(int depth, Kept& kept);
+    void gather(Kept& kept);
+    void estimateDirect();
+    void scatter(int depth);
 
     const EyePass& pass_;
     Film& film_;

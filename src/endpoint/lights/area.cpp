@@ -78,10 +78,39 @@ class Parallelogram {
 /// is flat, 1/4 for the whole sphere.
 float projectedShare(float cosine) { return cosine > 0 ? 0.5f * (1 + cosine) : 0.5f / (1 - cosine); }
 
+/// Knows points that are behind all of a flat light, to which connections need not be tried. Points that it
+/// does not exclude may be behind the light too.
+class FrontSide {
+  public:
+    /// Excludes nothing, unless the shape is a mesh in one plane.
+    explicit FrontSide(const Shape& shape) {
+        const DirectionCone cone = shape.normalCone();
+        const auto* mesh = dynamic_cast<const TriangleMesh*>(&shape);
+        if (!mesh || !(cone.cosine > 1 - 0.5f * kAngle * kAngle)) return;
+        normal_ = cone.axis;
+        least_ = kInfinity;
+        for (const uint32_t index : mesh->indices) {
+            const Vec3f& p = mesh->positions[index];
+            least_ = std::min(least_, dot(normal_, p));
+            size_ = std::max(size_, p.length());
+        }
+    }
+    bool excludes(const Vec3f& x) const {
+        return dot(normal_, x) <
+               least_ - 2 * kAngle * (std::abs(x.x) + std::abs(x.y) + std::abs(x.z) + size_);
+    }
+
+  private:
+    /// Normals deviate from each other by less. Twice that leaves room for rounding.
+    static constexpr float kAngle = 1e-3f;
+    Vec3f normal_{0.0f};
+    float least_ = -kInfinity, size_ = 0;
+};
+
 class AreaLight final : public Light {
   public:
     explicit AreaLight(const AreaLightParameters& p)
-        : shape_(p.shape), radiance_(p.radiance), area_(p.shape->area()) {
+        : shape_(p.shape), radiance_(p.radiance), area_(p.shape->area()), front_(*p.shape) {
         if (!(area_ > 0)) throw Error("area light on shape '{}': the shape has no area", p.shape->id);
         if (radiance_->isConstant()) return;
         parallelogram_ = Parallelogram::fromShape(*shape_);
@@ -130,24 +159,22 @@ class AreaLight final : public Light {
     }
 
     std::optional<EndpointConnection> connect(const Vec3f& x, const Vec2f& u) const override {
+        if (front_.excludes(x)) return std::nullopt;
         const std::optional<ShapeSample> point = parallelogram_ ? sampleArea(u) : shape_->sampleToward(x, u);
         if (!point || !(point->pdfArea > 0)) return std::nullopt;
-        EndpointConnection c;
         const Vec3f d = point->si.p - x;
-        c.distance = d.length();
-        if (!(c.distance > 0)) return std::nullopt;
-        c.wi = d / c.distance;
-        c.cosine = -dot(point->si.ng, c.wi);
-        const Rgb emitted = radiance(point->si, -c.wi);
+        const float distance = d.length();
+        if (!(distance > 0)) return std::nullopt;
+        const Vec3f wi = d / distance;
+        const float cosine = -dot(point->si.ng, wi);
+        const Rgb emitted = radiance(point->si, -wi);
         if (isBlack(emitted)) return std::nullopt;
-        c.point = point->si.p;
-        c.ng = point->si.ng;
-        c.pdf = point->pdfArea * sqr(c.distance) / c.cosine;
-        if (!std::isfinite(c.pdf) || !(c.pdf > 0)) return std::nullopt;
-        c.value = emitted * (1.0f / c.pdf);
-        c.pdfPosition = pdfArea(point->si);
-        c.pdfDirection = c.cosine * kInvPi;
-        return c;
+        const float pdf = point->pdfArea * sqr(distance) / cosine;
+        if (!std::isfinite(pdf) || !(pdf > 0)) return std::nullopt;
+        // Made where the caller wants it: a copy of fields just written would wait for the store buffer.
+        return std::optional<EndpointConnection>(std::in_place, point->si.p, wi, distance, point->si.ng,
+                                                 emitted * (1.0f / pdf), pdf, pdfArea(point->si),
+                                                 cosine * kInvPi, cosine);
     }
 
   private:
@@ -170,6 +197,7 @@ class AreaLight final : public Light {
     const Shape* shape_;
     TexturePtr radiance_;
     float area_;
+    FrontSide front_;
     std::optional<Parallelogram> parallelogram_;  // only for textured emission
     Distribution2D table_;
 };

@@ -1,6 +1,7 @@
 #include "scattering/textures/bitmap_texture.h"
 
 #include "base/error.h"
+#include "base/prefetch.h"
 
 #include <array>
 
@@ -52,6 +53,14 @@ class BitmapTexture final : public Texture {
             {perTexel.x * static_cast<float>(image_.width), perTexel.y * static_cast<float>(image_.height)});
     }
 
+    void prefetch(const SurfaceInteraction& si) const override {
+        const Vec2f p = pixelPosition(si);
+        const float half = nearest() ? 0.0f : 0.5f;
+        const int x = wrap(floorInt(p.x - half), image_.width), y = floorInt(p.y - half);
+        metrolux::prefetch(at(x, wrap(y, image_.height)));
+        if (!nearest()) metrolux::prefetch(at(x, wrap(y + 1, image_.height)));
+    }
+
     Rgb mean() const override { return mean_; }
     bool isConstant() const override { return image_.width == 1 && image_.height == 1; }
     Vec2i resolution() const override { return {image_.width, image_.height}; }
@@ -98,10 +107,13 @@ class BitmapTexture final : public Texture {
     }
     Rgb wrapped(int x, int y) const { return texel(wrap(x, image_.width), wrap(y, image_.height)); }
 
-    Rgb texel(int x, int y) const {
+    const float* at(int x, int y) const {
         const size_t index =
             static_cast<size_t>(y) * static_cast<size_t>(image_.width) + static_cast<size_t>(x);
-        const float* p = image_.pixels->data() + index * static_cast<size_t>(image_.channels);
+        return image_.pixels->data() + index * static_cast<size_t>(image_.channels);
+    }
+    Rgb texel(int x, int y) const {
+        const float* p = at(x, y);
         return image_.channels == 1 ? Rgb(p[0]) : Rgb(p[0], p[1], p[2]);
     }
 

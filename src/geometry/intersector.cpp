@@ -223,10 +223,18 @@ struct Intersector::Impl {
         instances.push_back({&group, instance.toWorld});
     }
 
+    const PlacedGroup* placementOf(const RayHit& hit) const {
+        return hit.instance != RayHit::kNone ? &instances[hit.instance - top.targets.size()] : nullptr;
+    }
+    const TriangleMesh* meshOf(const RayHit& hit) const {
+        if (!hit.found()) return nullptr;
+        const PlacedGroup* placed = placementOf(hit);
+        return (placed ? *placed->group : top).targets[hit.geometry].mesh;
+    }
+
     /// `analyticRay`: the ray in the space of the group that was hit, for analytic shapes.
     void interaction(const RayHit& hit, const Ray& analyticRay, SurfaceInteraction& si) const {
-        const PlacedGroup* placed =
-            hit.instance != RayHit::kNone ? &instances[hit.instance - top.targets.size()] : nullptr;
+        const PlacedGroup* placed = placementOf(hit);
         const Target& target = (placed ? *placed->group : top).targets[hit.geometry];
         if (target.mesh) {
             target.mesh->interaction(hit.primitive, hit.barycentric, si);
@@ -432,6 +440,14 @@ void Intersector::intersect(RayBatch& batch, Coherence coherence) const {
 
 void Intersector::interaction(const RayBatch& batch, size_t i, SurfaceInteraction& si) const {
     impl_->interaction(batch.hits[i], impl_->hasAnalytic ? batch.localRays[i] : batch.rays[i], si);
+}
+
+void Intersector::prefetchFace(const RayHit& hit) const {
+    if (const TriangleMesh* mesh = impl_->meshOf(hit)) mesh->prefetchFace(hit.primitive);
+}
+
+void Intersector::prefetchVertices(const RayHit& hit) const {
+    if (const TriangleMesh* mesh = impl_->meshOf(hit)) mesh->prefetchVertices(hit.primitive);
 }
 
 bool Intersector::occluded(const Ray& ray) const {

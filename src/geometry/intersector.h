@@ -33,6 +33,9 @@ class Intersector {
     void intersect(RayBatch& batch, Coherence coherence = Coherence::None) const;
     /// The point of the i-th ray's hit, which was found.
     void interaction(const RayBatch& batch, size_t i, SurfaceInteraction& si) const;
+    /// Asks for the memory that interaction() will read, in two steps (TriangleMesh::prefetchFace).
+    void prefetchFace(const RayHit& hit) const;
+    void prefetchVertices(const RayHit& hit) const;
     /// Fills `blocked`.
     void occluded(OcclusionBatch& batch) const;
 

@@ -71,14 +71,19 @@ void TriangleMesh::finalize() {
             throw Error("mesh \"{}\": the texture coordinates of vertex {} are not finite", id, i);
 
     areaCdf_.resize(primitiveCount());
-    faceNormals_.resize(primitiveCount());
+    faces_.resize(primitiveCount());
     double total = 0;
     for (size_t i = 0; i < primitiveCount(); ++i) {
         const uint32_t* v = &indices[3 * i];
-        const Vec3d scaled = scaledNormal(positions[v[0]], positions[v[1]], positions[v[2]]);
+        const Vec3d p0 = toDouble(positions[v[0]]);
+        const Vec3d e1 = toDouble(positions[v[1]]) - p0, e2 = toDouble(positions[v[2]]) - p0;
+        const Vec3d scaled = e1.cross(e2);
         total += 0.5 * scaled.length();
         areaCdf_[i] = total;
-        faceNormals_[i] = geometricNormal(v, scaled);
+        Face& face = faces_[i];
+        face.normal = geometricNormal(v, scaled);
+        const TextureAxes axes(*this, v);
+        face.tangent = axes.exist ? toFloat(axes.derivativeByU(e1, e2)) : Frame::fromNormal(face.normal).s;
     }
     totalArea_ = static_cast<float>(total);
     // Embree reads 16 bytes at the last element of the buffers that it shares with the mesh.
@@ -103,12 +108,7 @@ void TriangleMesh::computeVertexNormals() {
     for (size_t i = 0; i < sums.size(); ++i) normals[i] = toFloat(sums[i].normalized());
 }
 
-struct TriangleMesh::Edges {
-    Vec3d first, second;
-};
-
-TriangleMesh::Edges TriangleMesh::place(uint32_t triangle, const Vec2f& barycentric,
-                                        SurfaceInteraction& si) const {
+void TriangleMesh::place(uint32_t triangle, const Vec2f& barycentric, SurfaceInteraction& si) const {
     const uint32_t* v = &indices[3 * size_t(triangle)];
     const Vec3f &p0 = positions[v[0]], &p1 = positions[v[1]], &p2 = positions[v[2]];
     const Vec3d e1 = toDouble(p1) - toDouble(p0), e2 = toDouble(p2) - toDouble(p0);
@@ -120,13 +120,12 @@ TriangleMesh::Edges TriangleMesh::place(uint32_t triangle, const Vec2f& barycent
     si.primitive = triangle;
     si.barycentric = barycentric;
 
-    si.ng = faceNormals_[triangle];
+    si.ng = faces_[triangle].normal;
     si.uv = uvs.empty() ? barycentric : interpolate(uvs[v[0]], uvs[v[1]], uvs[v[2]], barycentric);
-    return {e1, e2};
 }
 
 void TriangleMesh::interaction(uint32_t triangle, const Vec2f& barycentric, SurfaceInteraction& si) const {
-    const auto [e1, e2] = place(triangle, barycentric, si);
+    place(triangle, barycentric, si);
     const uint32_t* v = &indices[3 * size_t(triangle)];
     si.ns = si.ng;
     if (!normals.empty()) {
@@ -135,9 +134,7 @@ void TriangleMesh::interaction(uint32_t triangle, const Vec2f& barycentric, Surf
         if (norm > 1e-6f) si.ns = n / (flipNormals ? -norm : norm);
     }
 
-    const TextureAxes axes(*this, v);
-    const Vec3f tangent = axes.exist ? toFloat(axes.derivativeByU(e1, e2)) : Frame::fromNormal(si.ng).s;
-    si.s = Frame::fromNormalAndTangent(si.ns, tangent).s;
+    si.s = Frame::fromNormalAndTangent(si.ns, faces_[triangle].tangent).s;
 }
 
 Vec3f TriangleMesh::geometricNormal(const uint32_t* v, const Vec3d& scaled) const {
@@ -154,7 +151,7 @@ DirectionCone TriangleMesh::normalCone() const {
         const uint32_t* v = &indices[i];
         const Vec3d scaled = scaledNormal(positions[v[0]], positions[v[1]], positions[v[2]]);
         if (!(scaled.length() > 0)) continue;
-        faces.push_back(faceNormals_[i / 3]);
+        faces.push_back(faces_[i / 3].normal);
         sum += toDouble(faces.back()) * scaled.length();
     }
     const double length = sum.length();
@@ -171,7 +168,7 @@ Partials TriangleMesh::partialsAt(const SurfaceInteraction& si) const {
     const TextureAxes axes(*this, v);
     const Partials result{toFloat(axes.derivativeByU(e1, e2)), toFloat(axes.derivativeByV(e1, e2))};
     if (axes.exist && isFinite(result.dpdu) && isFinite(result.dpdv)) return result;
-    const Frame frame = Frame::fromNormal(faceNormals_[si.primitive]);
+    const Frame frame = Frame::fromNormal(faces_[si.primitive].normal);
     return {frame.s, frame.t};
 }
 

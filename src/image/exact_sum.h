@@ -12,7 +12,16 @@ template <int fractionBits>
 class ExactSum {
   public:
     /// A term; the sum of all must stay below 2^(127 - fractionBits).
-    void add(double term) { addUnits(static_cast<Integer>(std::nearbyint(std::ldexp(term, fractionBits)))); }
+    void add(double term) {
+        const double units = term * kUnitsPerOne;  // exact
+        // Two parts that a machine word holds: compilers call a function to convert to 128 bits.
+        constexpr double kUpperUnit = 0x1p40;
+        const double upper = std::trunc(units * (1 / kUpperUnit));
+        if (!(std::abs(upper) < 0x1p62)) return addUnits(static_cast<Integer>(std::nearbyint(units)));
+        const double lower = units - upper * kUpperUnit;  // exact
+        addUnits(static_cast<Integer>(static_cast<int64_t>(upper)) * static_cast<Integer>(kUpperUnit) +
+                 static_cast<int64_t>(std::nearbyint(lower)));
+    }
     ExactSum& operator+=(const ExactSum& other) {
         addUnits(other.units_);
         return *this;
@@ -27,6 +36,8 @@ class ExactSum {
     }
 
   private:
+    static constexpr double powerOfTwo(int exponent) { return exponent ? 2 * powerOfTwo(exponent - 1) : 1; }
+    static constexpr double kUnitsPerOne = powerOfTwo(fractionBits);
     __extension__ using Integer = __int128;
     __extension__ using Unsigned = unsigned __int128;
     /// Wraps: no rendering comes near the limits, but a file that somebody made may hold any sum.

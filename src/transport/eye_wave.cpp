@@ -48,8 +48,15 @@ void EyeWave::start(std::span<const uint32_t> pixels) {
 
 void EyeWave::arrive(std::span<const uint32_t> pixels, int depth) {
     const WalkRules walk = pass_.rules();
+    const Intersector& intersector = pass_.scene.intersector();
+    constexpr size_t kAhead = 8;
+    const auto ahead = [&](size_t k, auto step) {
+        if (k < rays_.size()) (intersector.*step)(rays_.hits[k]);
+    };
     size_t arrived = 0;
     for (size_t k = 0; k < active_.size(); ++k) {
+        ahead(k + 2 * kAhead, &Intersector::prefetchFace);
+        ahead(k + kAhead, &Intersector::prefetchVertices);
         Lane& lane = lanes_[active_[k]];
         Vertex& v = lane.v;
         const Vec3f from = depth == 1 ? lane.edge.ray.origin : v.si.p;
@@ -57,7 +64,7 @@ void EyeWave::arrive(std::span<const uint32_t> pixels, int depth) {
             gathering_.escaped(from, lane.edge, depth, lane.sum);
             continue;
         }
-        pass_.scene.intersector().interaction(rays_, k, v.si);
+        intersector.interaction(rays_, k, v.si);
         if (!(depth == 1 ? arriveFromCamera(walk, lane.edge, pixels[active_[k]], v)
                          : metrolux::arrive(walk, lane.edge, from, lane.certain, v)))
             continue;

@@ -4,7 +4,9 @@
 #include "transport/connect.h"
 #include "transport/subpath.h"
 
+#include <array>
 #include <bit>
+#include <utility>
 
 namespace metrolux {
 
@@ -38,21 +40,35 @@ class LightVisitor final : public SubpathVisitor {
     LightVisitor& operator=(const LightVisitor&) = delete;
 
     bool surface(const Vertex& v) override {
-        const int limit =
-            pass_.limits.maxDepth < 0 ? std::numeric_limits<int>::max() / 2 : pass_.limits.maxDepth;
-        if (v.bsdf().hasSmoothLobe()) {
+        const int limit = depthLimit();
+        lookForMerges();
+        const bool smooth = v.bsdf().hasSmoothLobe(), merges = smooth && pass_.merge && !pass_.grid.empty();
+        VertexGrid::Cells cells;
+        if (merges) cells = pass_.grid.locate(v.si.p);
+        if (smooth) {
             if (counted_) counted_->count(v.si.p);
             if (trail_) trail_->push_back(v.si.p);
-            // What is to be merged comes from memory while rays are traced for the rest.
-            const bool merges = pass_.merge && !pass_.grid.empty();
-            VertexGrid::Cells cells;
-            if (merges) cells = pass_.grid.locate(v.si.p);
             if (pass_.splat && v.depth < limit) splat(v);
-            if (merges) pass_.grid.prefetchEntries(cells);
-            if (pass_.connect) connect(v, limit);
-            if (merges) merge(v, cells, limit);
+        }
+        mergeFound();
+        if (smooth && pass_.connect) connect(v, limit);
+        if (merges) {
+            merging_ = v;
+            cells_ = cells;
+            waiting_ = true;
         }
         return v.depth + 1 < limit;
+    }
+
+    bool scattered(bool) override {
+        if (waiting_) pass_.grid.prefetchEntries(cells_);
+        return true;
+    }
+
+    /// The walk has ended.
+    void finish() {
+        lookForMerges();
+        mergeFound();
     }
 
   private:
@@ -73,28 +89,36 @@ class LightVisitor final : public SubpathVisitor {
         }
     }
 
-    void merge(const Vertex& v, const VertexGrid::Cells& cells, int limit) {
+    // Merging waits for memory three times: for the cells around the light vertex, for their entries, and for
+    // the eye vertices. In between the walk goes on: cells are located before the vertex is connected with
+    // the camera, entries are asked for before the next ray is traced, eye vertices before the next vertex is
+    // connected.
+    void lookForMerges() {
+        if (!std::exchange(waiting_, false)) return;
         const Vertex* const eyes = pass_.eyes.all().data();
-        // In batches, so that the vertices come from memory while others are looked for.
-        std::array<uint32_t, 16> batch;
-        size_t size = 0;
-        const auto flush = [&] {
-            for (size_t i = 0; i < size; ++i) merge(v, eyes[batch[i]], limit);
-            size = 0;
-        };
-        pass_.grid.query(v.si.p, cells, [&](uint32_t index) {
+        pass_.grid.query(merging_.si.p, cells_, [&](uint32_t index) {
+            if (foundCount_ == found_.size()) mergeFound();
             prefetch(eyes + index, sizeof(Vertex));
-            batch[size++] = index;
-            if (size == batch.size()) flush();
+            found_[foundCount_++] = index;
         });
-        flush();
     }
 
-    void merge(const Vertex& v, const Vertex& eye, int limit) {
-        if (v.depth + eye.depth > limit) return;
-        ++mergesFound_;
-        addPixel(eye.pixel, mergeVertices(pass_.strategies, v, eye, inverseDiskArea_, pass_.weighted),
-                 Technique::Merge);
+    void mergeFound() {
+        const Vertex* const eyes = pass_.eyes.all().data();
+        const int limit = depthLimit();
+        for (size_t i = 0; i < foundCount_; ++i) {
+            const Vertex& eye = eyes[found_[i]];
+            if (merging_.depth + eye.depth > limit) continue;
+            ++mergesFound_;
+            addPixel(eye.pixel,
+                     mergeVertices(pass_.strategies, merging_, eye, inverseDiskArea_, pass_.weighted),
+                     Technique::Merge);
+        }
+        foundCount_ = 0;
+    }
+
+    int depthLimit() const {
+        return pass_.limits.maxDepth < 0 ? std::numeric_limits<int>::max() / 2 : pass_.limits.maxDepth;
     }
 
     void addPixel(uint32_t pixel, const Rgb& value, Technique technique) {
@@ -110,6 +134,11 @@ class LightVisitor final : public SubpathVisitor {
     PhotonDensity* counted_;
     std::vector<Vec3f>* trail_;
     double inverseDiskArea_;
+    Vertex merging_;  ///< whose merges are looked for, while `waiting_`
+    VertexGrid::Cells cells_;
+    bool waiting_ = false;
+    std::array<uint32_t, 32> found_;  ///< eye vertices to merge `merging_` with
+    size_t foundCount_ = 0;
     uint64_t splatsTried_ = 0, connectionsTried_ = 0, mergesFound_ = 0;
 };
 
@@ -162,6 +191,7 @@ void LightPass::trace(SampleStream& stream, std::span<const Vertex> partner, flo
                       SplatList& splats, PhotonDensity* counted, std::vector<Vec3f>* trail) const {
     LightVisitor visitor(*this, partner, connectionScale, lensCoordinates(stream), splats, counted, trail);
     traceLightSubpath(scene, stream, limits, strategies, visitor);
+    visitor.finish();
 }
 
 std::vector<uint32_t> hilbertOrder(int width, int height) {

@@ -119,6 +119,8 @@ struct Reach {
 
 void Film::addSplats(const SplatList& splats, double pixelScale, double filmScale) {
     FixedPointImage& film = implementation_->splats;
+    // Atomic additions wait for memory one after the other: all is asked for first.
+    for (const SplatList::PixelSplat& splat : splats.pixels) film.prefetch(splat.pixel);
     for (const SplatList::PixelSplat& splat : splats.pixels) {
         assert(splat.pixel < static_cast<uint32_t>(pixelCount()));
         if (!film.add(splat.pixel, splat.value, pixelScale)) countNonFinite(Technique::Merge);

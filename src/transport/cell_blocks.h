@@ -11,13 +11,14 @@ constexpr int kShiftX = 2, kShiftY = 1, kShiftZ = 1;
 constexpr uint32_t kCells = 1 << (kShiftX + kShiftY + kShiftZ);
 
 /// Hash of the block of a cell, which may be made of parts that several cells share:
-/// keyZ(keyY(keyX(x), y), z).
-constexpr uint64_t keyX(int64_t x) { return hashKey(x >> kShiftX); }
+/// keyZ(keyY(keyX(x), y), z). A sum with odd factors is different for all blocks that a scene can have; it is
+/// mixed once, at the end.
+constexpr uint64_t keyX(int64_t x) { return static_cast<uint64_t>(x >> kShiftX) * 0x9e3779b97f4a7c15ULL; }
 constexpr uint64_t keyY(uint64_t key, int64_t y) {
-    return extendKey(key, static_cast<uint64_t>(y >> kShiftY));
+    return key + static_cast<uint64_t>(y >> kShiftY) * 0xd1b54a32d192ed03ULL;
 }
 constexpr uint64_t keyZ(uint64_t key, int64_t z) {
-    return extendKey(key, static_cast<uint64_t>(z >> kShiftZ));
+    return mixBits(key + static_cast<uint64_t>(z >> kShiftZ) * 0xabc98388fb8fac03ULL);
 }
 
 /// Index of a cell in a table of blockMask + 1 blocks, a power of two. Cells with different places in their

@@ -7,6 +7,11 @@ namespace metrolux {
 
 void EyeWave::run(std::span<const uint32_t> pixels, Kept& kept) {
     start(pixels);
+    constexpr size_t kUsual = 4;  // vertices of a subpath
+    if (pass_.keepVertices) {
+        kept.vertices.reserve(kUsual * pixels.size());
+        kept.places.reserve(kUsual * pixels.size());
+    }
     for (int depth = 1; !active_.empty(); ++depth) {
         pass_.scene.intersector().intersect(rays_, depth == 1 ? Coherence::High : Coherence::None);
         arrive(pixels, depth);

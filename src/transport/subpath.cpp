@@ -23,6 +23,7 @@ void continueWalk(const WalkRules& walk, SampleStream& stream, SubpathVisitor& v
             visitor.escaped(from, edge, v.depth + 1);
             return;
         }
+        v.bsdf().prefetch(v.si);
         if (!arrive(walk, edge, from, certain, v)) return;
     }
 }

@@ -118,6 +118,7 @@ class ReplicaLanes {
         const bool pooled = mix.uniform * mix.bVisibility >= kSmallestPool;
         sawChains_ = true;
         for (Lane& lane : lanes_) {
+            for (auto& e : lane.early) lane.spare.push_back(std::move(e.state));
             lane.early.clear();
             lane.squares = {};
         }
@@ -193,6 +194,13 @@ class ReplicaLanes {
             State state;
         };
         std::vector<Early> early;
+        std::vector<State> spare;  ///< used up, kept for their memory
+        State takeSpare() {
+            if (spare.empty()) return {};
+            State state = std::move(spare.back());
+            spare.pop_back();
+            return state;
+        }
         PrimarySample lastVisible;  ///< last visible uniform sample: replaces a state that became invisible
         State uniform, proposal;    ///< kept for their memory
         size_t uniformSamples = 0;  ///< of the iteration, so far
@@ -271,7 +279,8 @@ class ReplicaLanes {
                 for (size_t sample = taken; sample < end; ++sample) {
                     uniformSample(model, i, sample, mix);
                     if (!lanes_[i].uniform.value.visible()) continue;
-                    lanes_[i].early.push_back({sample, std::exchange(lanes_[i].uniform, {})});
+                    lanes_[i].early.push_back(
+                        {sample, std::exchange(lanes_[i].uniform, lanes_[i].takeSpare())});
                 }
             });
             taken = end;

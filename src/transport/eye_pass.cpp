@@ -95,7 +95,7 @@ void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& res
                     std::min(kChunk, pixels.size() - first), next.begin());
         EyeWave::Kept& from = kept[chunk];
         for (size_t i = 0; i < from.vertices.size(); ++i)
-            std::construct_at(&result.vertices_[next[from.places[i]]++], from.vertices[i]);
+            copyVertex(from.vertices[i], &result.vertices_[next[from.places[i]]++]);
         from = {};
     });
 }

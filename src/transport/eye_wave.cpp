@@ -114,7 +114,8 @@ void EyeWave::gather(Kept& kept) {
         gathering_.hit(lane.v, lane.sum);
         lane.gathers = !gathering_.ends(lane.v) && gathering_.gathers(lane.v);
         if (!pass_.keepVertices || !lane.gathers || !gathering_.extensible(lane.v)) continue;
-        kept.vertices.push_back(lane.v);
+        kept.vertices.resize(kept.vertices.size() + 1);
+        copyVertex(lane.v, &kept.vertices.back());
         kept.places.push_back(i);
     }
 }

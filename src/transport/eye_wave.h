@@ -53,7 +53,7 @@ class EyeWave {
 
     /// Vertices in the order of their depth, with the index in `pixels` of each.
     struct Kept {
-        std::vector<Vertex> vertices;
+        UninitializedVector<Vertex> vertices;
         std::vector<uint32_t> places;
     };
     void run(std::span<const uint32_t> pixels, Kept& kept);

@@ -3,6 +3,9 @@
 #include "scattering/bsdf.h"
 #include "transport/mis.h"
 
+#include <cstring>
+#include <type_traits>
+
 namespace metrolux {
 
 /// A surface vertex of a subpath: a plain value that can be connected and merged without its subpath.
@@ -18,6 +21,13 @@ struct Vertex {
 
     const Bsdf& bsdf() const { return *si.shape->bsdf; }
 };
+
+/// Makes a copy in memory that need not be initialised. Byte by byte, as wide as the processor can: Imath's
+/// vectors have copy constructors of their own, which go number by number.
+inline void copyVertex(const Vertex& from, Vertex* to) {
+    static_assert(std::is_trivially_destructible_v<Vertex>);
+    std::memcpy(static_cast<void*>(to), static_cast<const void*>(&from), sizeof(Vertex));
+}
 
 // One or several for each pixel are kept in an iteration.
 static_assert(sizeof(Vertex) <= 160);

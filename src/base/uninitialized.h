@@ -1,4 +1,6 @@
 #pragma once
+#include "base/huge_pages.h"
+
 #include <memory>
 #include <utility>
 #include <vector>
@@ -9,7 +11,7 @@ namespace metrolux {
 /// several threads fill next: each element must be constructed (std::construct_at, std::uninitialized_copy)
 /// before it is read. T needs no destructor.
 template <class T>
-struct UninitializedAllocator : std::allocator<T> {
+struct UninitializedAllocator : HugePageAllocator<T> {
     template <class U>
     struct rebind {
         using other = UninitializedAllocator<U>;

@@ -2,6 +2,7 @@
 /// Sums that do not depend on the order of their terms: floating-point addition is not associative, that of
 /// integers is.
 
+#include "base/huge_pages.h"
 #include "base/math.h"
 #include "base/prefetch.h"
 
@@ -65,7 +66,7 @@ class FixedPointImage {
 
     size_t pixels_;
     // By range, then pixel: most terms are in one range, and the pixels of a filter share cache lines.
-    std::vector<std::atomic<int64_t>> sums_;
+    std::vector<std::atomic<int64_t>, HugePageAllocator<std::atomic<int64_t>>> sums_;
 };
 
 }  // namespace metrolux

@@ -2,8 +2,6 @@
 #include "base/uninitialized.h"
 #include "transport/vertex.h"
 
-#include <tbb/cache_aligned_allocator.h>
-
 #include <array>
 #include <span>
 #include <vector>
@@ -83,7 +81,7 @@ class VertexGrid {
     float radius_ = 0, radiusSquared_ = 0;
     double inverseCell_ = 0;
     uint32_t blockMask_ = 0;  ///< number of blocks, a power of two, less one
-    std::vector<uint32_t, tbb::cache_aligned_allocator<uint32_t>> starts_;
+    std::vector<uint32_t, HugePageAllocator<uint32_t>> starts_;
     UninitializedVector<Entry> entries_;
 };
 

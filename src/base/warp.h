@@ -6,19 +6,24 @@
 
 namespace metrolux::warp {
 
-/// Concentric map of the unit square onto the unit disk (Shirley & Chiu 1997); density 1/pi per area.
+/// Sine and cosine for |x| <= pi/4, to about a unit in the last place (the polynomials of Moshier's Cephes).
+inline void sinCosNearZero(float x, float& sine, float& cosine) {
+    const float x2 = x * x;
+    sine = x + x * x2 * (-1.6666654611e-1f + x2 * (8.3321608736e-3f + x2 * -1.9515295891e-4f));
+    cosine = 1.0f - 0.5f * x2 +
+             x2 * x2 * (4.166664568298827e-2f + x2 * (-1.388731625493765e-3f + x2 * 2.443315711809948e-5f));
+}
+
+/// Concentric map of the unit square onto the unit disk (Shirley & Chiu 1997); density 1/pi per area. Without
+/// branches: which of the coordinates is larger is anybody's guess.
 inline Vec2f squareToDisk(const Vec2f& u) {
     const float x = 2.0f * u.x - 1.0f, y = 2.0f * u.y - 1.0f;
-    if (x == 0 && y == 0) return {0, 0};
-    float r, phi;
-    if (std::abs(x) > std::abs(y)) {
-        r = x;
-        phi = (kPi / 4.0f) * (y / x);
-    } else {
-        r = y;
-        phi = (kPi / 2.0f) - (kPi / 4.0f) * (x / y);
-    }
-    return {r * std::cos(phi), r * std::sin(phi)};
+    const bool wide = std::abs(x) > std::abs(y);
+    const float r = wide ? x : y, other = wide ? y : x;
+    float sine, cosine;  // of the angle to the axis of the larger coordinate
+    sinCosNearZero((kPi / 4.0f) * (other / (r != 0 ? r : 1.0f)), sine, cosine);
+    const float along = r * cosine, across = r * sine;
+    return wide ? Vec2f(along, across) : Vec2f(across, along);
 }
 
 /// Cosine-weighted hemisphere around +z; density |cos|/pi per solid angle.

@@ -6,6 +6,8 @@
 #include "transport/eye_wave.h"
 #include "transport/subpath.h"
 
+#include <tbb/task_arena.h>
+
 #include <array>
 #include <memory>
 
@@ -72,31 +74,48 @@ uint64_t EyePass::key(const FilmWindow& w, uint32_t pixel) const {
 }
 
 void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& result) const {
-    constexpr size_t kChunk = 512;
-    const size_t chunks = (pixels.size() + kChunk - 1) / kChunk;
-    std::vector<EyeWave::Kept> kept(chunks);
+    constexpr size_t kTask = EyeVertices::kTask;
+    const size_t tasks = (pixels.size() + kTask - 1) / kTask;
+    // Vertices are gathered and put in order group by group, so that they are twice in memory for a group
+    // only.
+    const size_t group =
+        std::max<size_t>(64, 8 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()));
+    result.begin(keepVertices ? pixels.size() : 0, std::min(group, tasks));
+    for (size_t first = 0; first < tasks; first += group) {
+        const size_t count = std::min(group, tasks - first);
+        parallelFor(count, [&](size_t i) {
+            const size_t pixel = (first + i) * kTask;
+            EyeWave(*this, film)
+                .run(pixels.subspan(pixel, std::min(kTask, pixels.size() - pixel)), result.kept_[i]);
+        });
+        if (keepVertices) result.takeKept(first * kTask, count);
+    }
+}
 
-    parallelFor(chunks, [&](size_t chunk) {
-        const size_t first = chunk * kChunk;
-        EyeWave(*this, film).run(pixels.subspan(first, std::min(kChunk, pixels.size() - first)), kept[chunk]);
-    });
+void EyeVertices::begin(size_t subpaths, size_t tasks) {
+    vertices_.clear();
+    starts_.assign(subpaths > 0 ? subpaths + 1 : 0, 0);
+    if (kept_.size() < tasks) kept_.resize(tasks);
+}
 
-    result.vertices_.clear();
-    result.starts_.assign(keepVertices ? pixels.size() + 1 : 0, 0);
-    if (!keepVertices) return;
-    for (size_t chunk = 0; chunk < chunks; ++chunk)
-        for (const uint32_t place : kept[chunk].places) ++result.starts_[chunk * kChunk + place + 1];
-    for (size_t i = 0; i < pixels.size(); ++i) result.starts_[i + 1] += result.starts_[i];
-    result.vertices_.resize(result.starts_.back());
-    parallelFor(chunks, [&](size_t chunk) {
-        const size_t first = chunk * kChunk;
-        std::array<size_t, kChunk> next;  // of each subpath
-        std::copy_n(result.starts_.begin() + static_cast<ptrdiff_t>(first),
-                    std::min(kChunk, pixels.size() - first), next.begin());
-        EyeWave::Kept& from = kept[chunk];
+void EyeVertices::takeKept(size_t first, size_t tasks) {
+    const size_t last = std::min(first + tasks * kTask, subpathCount());
+    for (size_t task = 0; task < tasks; ++task)
+        for (const uint32_t place : kept_[task].places) ++starts_[first + task * kTask + place + 1];
+    for (size_t i = first; i < last; ++i) starts_[i + 1] += starts_[i];
+    if (starts_[last] > vertices_.capacity())  // of all subpaths, if the others are like these
+        vertices_.reserve(starts_[last] * (subpathCount() + subpathCount() / 8) / last + kTask);
+    vertices_.resize(starts_[last]);
+    parallelFor(tasks, [&](size_t task) {
+        const size_t begin = first + task * kTask;
+        std::array<size_t, kTask> next;  // of each subpath
+        std::copy_n(starts_.begin() + static_cast<ptrdiff_t>(begin), std::min(kTask, last - begin),
+                    next.begin());
+        Kept& from = kept_[task];
         for (size_t i = 0; i < from.vertices.size(); ++i)
-            copyVertex(from.vertices[i], &result.vertices_[next[from.places[i]]++]);
-        from = {};
+            copyVertex(from.vertices[i], &vertices_[next[from.places[i]]++]);
+        from.vertices.clear();
+        from.places.clear();
     });
 }
 

@@ -37,8 +37,20 @@ class EyeVertices {
 
   private:
     friend struct EyePass;
+    friend class EyeWave;
+    /// What a task of a pass has found, before it is put in order.
+    struct Kept {
+        UninitializedVector<Vertex> vertices;
+        std::vector<uint32_t> places;  ///< index of each one's subpath in the task
+    };
+    static constexpr size_t kTask = 512;  ///< subpaths
+    void begin(size_t subpaths, size_t tasks);
+    /// Puts in order what so many tasks have kept, from this subpath on.
+    void takeKept(size_t first, size_t tasks);
+
     UninitializedVector<Vertex> vertices_;
     std::vector<size_t> starts_;
+    std::vector<Kept> kept_;  ///< of a group of tasks; keeps its memory from pass to pass
 };
 
 /// Traces the eye subpaths of an iteration; adds hit and nee to the film.

@@ -52,10 +52,7 @@ class EyeWave {
     EyeWave(const EyePass& pass, Film& film) : pass_(pass), film_(film), gathering_(pass, film) {}
 
     /// Vertices in the order of their depth, with the index in `pixels` of each.
-    struct Kept {
-        UninitializedVector<Vertex> vertices;
-        std::vector<uint32_t> places;
-    };
+    using Kept = EyeVertices::Kept;
     void run(std::span<const uint32_t> pixels, Kept& kept);
 
   private:

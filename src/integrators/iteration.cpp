@@ -11,13 +11,17 @@ namespace metrolux {
 PixelPartition::PixelPartition(const FilmWindow& window, const IntegratorOptions& options) {
     const std::vector<uint32_t> order = hilbertOrder(window.width, window.height);
     if (options.memoryBytes > 0) {
-        // Vertices are copied once while they are gathered; grid entries and bucket starts come on top.
+        // Vertices with room to grow, and with their grid entries and bucket starts. While they are gathered
+        // those of a group of tasks are there twice.
         const double verticesPerSubpath =
             options.limits.maxDepth < 0 ? 8 : std::clamp(options.limits.maxDepth, 1, 8);
-        const double bytesPerPixel = verticesPerSubpath * (2.0 * sizeof(Vertex) + 32);
-        parts_ = static_cast<int>(
-            std::clamp(std::ceil(bytesPerPixel * double(order.size()) / double(options.memoryBytes)), 1.0,
-                       double(order.size())));
+        const double stored = verticesPerSubpath * (1.125 * sizeof(Vertex) + 32),
+                     gathered = verticesPerSubpath * sizeof(Vertex), bytes = double(options.memoryBytes);
+        const double group = double(EyeVertices::kGroup);
+        const double pixels =
+            std::max(std::min(bytes / (stored + gathered), group), (bytes - group * gathered) / stored);
+        parts_ =
+            static_cast<int>(std::clamp(std::ceil(double(order.size()) / pixels), 1.0, double(order.size())));
     }
     pixels_.reserve(order.size());
     for (int part = 0; part < parts_; ++part) {

@@ -78,8 +78,8 @@ void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& res
     const size_t tasks = (pixels.size() + kTask - 1) / kTask;
     // Vertices are gathered and put in order group by group, so that they are twice in memory for a group
     // only.
-    const size_t group =
-        std::max<size_t>(64, 8 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()));
+    const size_t group = std::max(EyeVertices::kGroup / kTask,
+                                  8 * static_cast<size_t>(tbb::this_task_arena::max_concurrency()));
     result.begin(keepVertices ? pixels.size() : 0, std::min(group, tasks));
     for (size_t first = 0; first < tasks; first += group) {
         const size_t count = std::min(group, tasks - first);

@@ -22,8 +22,13 @@ class EyeVertices {
     }
     size_t subpathCount() const { return starts_.empty() ? 0 : starts_.size() - 1; }
     size_t memoryBytes() const {
-        return vertices_.capacity() * sizeof(Vertex) + starts_.capacity() * sizeof(size_t);
+        size_t sum = vertices_.capacity() * sizeof(Vertex) + starts_.capacity() * sizeof(size_t);
+        for (const Kept& k : kept_)
+            sum += k.vertices.capacity() * sizeof(Vertex) + k.places.capacity() * sizeof(uint32_t);
+        return sum;
     }
+    /// Subpaths whose vertices are in memory twice while they are gathered, with up to eight threads.
+    static constexpr size_t kGroup = size_t{1} << 15;
 
     void clear() {
         vertices_.clear();

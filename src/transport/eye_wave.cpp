@@ -81,7 +81,7 @@ void EyeWave::arrive(std::span<const uint32_t> pixels, int depth) {
 
 void EyeWave::makeNumbers(int depth) {
     const size_t n = active_.size();
-    const auto gather = [&](const std::vector<uint64_t>& all, std::vector<uint64_t>& keys) {
+    const auto pick = [&](const std::vector<uint64_t>& all, std::vector<uint64_t>& keys) {
         keys.resize(n);
         for (size_t k = 0; k < n; ++k) keys[k] = all[active_[k]];
     };
@@ -98,12 +98,12 @@ void EyeWave::makeNumbers(int depth) {
         y.resize(n);
         sobol::points2D(keys, index, first + offset, x.data(), y.data());
     };
-    gather(eyeKeys_, u.eyeKeys);
+    pick(eyeKeys_, u.eyeKeys);
     points1D(u.eyeKeys, 0, u.lobe);
     points2D(u.eyeKeys, 1, u.scatterX, u.scatterY);
     if (pass_.rules().plays(depth)) points1D(u.eyeKeys, 3, u.roulette);
     if (!pass_.nextEvent) return;
-    gather(neeKeys_, u.neeKeys);
+    pick(neeKeys_, u.neeKeys);
     points1D(u.neeKeys, EyePass::kLightCoordinate, u.light);
     points2D(u.neeKeys, EyePass::kLightPointCoordinate, u.lightX, u.lightY);
 }
@@ -134,9 +134,11 @@ void EyeWave::estimateDirect() {
         shadows_.rays.push_back(pending.shadow);
     }
     pass_.scene.intersector().occluded(shadows_);
-    for (size_t i = 0; i < waiting_.size(); ++i)
-        if (!shadows_.blocked[i] && !film_.rejectNonFinite(waiting_[i].value, Technique::Nee))
+    for (size_t i = 0; i < waiting_.size(); ++i) {
+        const bool blocked = shadows_.blocked[i] && shadows_.rays[i].tMax > 0;  // as Scene::isFree
+        if (!blocked && !film_.rejectNonFinite(waiting_[i].value, Technique::Nee))
             lanes_[waiting_[i].lane].sum += waiting_[i].value;
+    }
     waiting_.clear();
     shadows_.clear();
 }

@@ -29,6 +29,31 @@ void expectUniform(const std::function<Vec2f(const Vec2f&)>& coordinates, uint64
 
 float azimuth(float x, float y) { return 0.5f + std::atan2(y, x) / (2 * kPi); }
 
+TEST(Warp, SineAndCosineNearZeroAreThoseOfTheLibrary) {
+    for (int i = -100000; i <= 100000; ++i) {
+        const float x = static_cast<float>(i) * (kPi / 4) / 100000;
+        float sine, cosine;
+        warp::sinCosNearZero(x, sine, cosine);
+        ASSERT_NEAR(sine, std::sin(double(x)), 1e-7) << x;
+        ASSERT_NEAR(cosine, std::cos(double(x)), 1e-7) << x;
+    }
+}
+
+/// The map of Shirley and Chiu: squares around the middle become circles, diagonals stay where they are.
+TEST(Warp, DiskIsConcentric) {
+    CounterRng rng(5);
+    for (int i = 0; i < 10000; ++i) {
+        const Vec2f u = rng.next2D(), p = warp::squareToDisk(u);
+        const float x = 2 * u.x - 1, y = 2 * u.y - 1;
+        EXPECT_NEAR(p.length(), std::max(std::abs(x), std::abs(y)), 1e-6f);
+        EXPECT_GE(p.x * x, 0);
+        EXPECT_GE(p.y * y, 0);
+        const Vec2f diagonal = warp::squareToDisk({u.x, u.x});
+        EXPECT_NEAR(diagonal.x, diagonal.y, 1e-6f);
+    }
+    EXPECT_EQ(warp::squareToDisk({0.5f, 0.5f}), Vec2f(0.0f));
+}
+
 TEST(Warp, DiskIsUniform) {
     expectUniform(
         [](const Vec2f& u) {

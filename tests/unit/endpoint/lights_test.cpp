@@ -274,6 +274,37 @@ TEST(Lights, areaLightsAreOneSided) {
     EXPECT_EQ(c.light->shape(), c.shape.get());
 }
 
+/// A light in one plane refuses points behind it before it samples: never one that a sample could reach, as
+/// near to the plane and as far away as it may be; and nearly all that lie clearly behind.
+TEST(Lights, flatAreaLightsReachAllThatIsBeforeThem) {
+    CounterRng rng(hashKey(77));
+    for (const float size : {1e-3f, 1.0f, 300.0f})
+        for (int orientation = 0; orientation < 12; ++orientation) {
+            const Vec3f axis = warp::squareToSphere(rng.next2D());
+            const Transform map = Transform::translate(warp::squareToSphere(rng.next2D()) * (5 * size)) *
+                                  Transform::rotate(axis, 360 * rng.next1D()) *
+                                  Transform::scale(Vec3f(size, 0.3f * size, size));
+            const LightCase c =
+                test::areaCase("", makeRectangle(map, orientation % 2 == 0), makeConstantTexture(Rgb(1.0f)));
+            int reached = 0;
+            for (int i = 0; i < 2000; ++i) {
+                const ShapeSample foot = c.shape->sampleArea(rng.next2D());
+                const float height = size * std::pow(10.0f, 4 * rng.next1D() - 3);  // 1e-3 to 10 sizes
+                const Vec3f aside = warp::squareToSphere(rng.next2D()) * (size * 20 * rng.next1D());
+                const Vec3f x =
+                    foot.si.p + (aside - foot.si.ng * dot(aside, foot.si.ng)) + foot.si.ng * height;
+                const Vec2f u = rng.next2D();
+                const bool before = dot(foot.si.ng, x - c.shape->sampleArea(u).si.p) > 0;
+                reached += before;
+                EXPECT_EQ(c.light->connect(x, u).has_value(), before)
+                    << "size " << size << ", height " << height;
+                EXPECT_FALSE(c.light->connect(x - foot.si.ng * (3 * height), u))
+                    << "behind by " << 2 * height;
+            }
+            EXPECT_GT(reached, 1900);
+        }
+}
+
 TEST(Lights, rejectWhatMakesNoSense) {
     EXPECT_THROW(makePointLight({{0, 0, 0}, {1, -1, 1}}), Error);
     EXPECT_THROW(makeConstantLight({{1, kInfinity, 1}}), Error);

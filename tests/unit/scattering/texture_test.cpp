@@ -38,6 +38,31 @@ TEST(BitmapTexture, BilinearBetweenTexelCentres) {
     EXPECT_EQ(t->resolution(), Vec2i(4, 2));
 }
 
+/// With 256 values and with one more: the first are kept as bytes, the second as numbers.
+TEST(BitmapTexture, KeepsEveryValueExactly) {
+    for (const int values : {1, 255, 256, 257, 1000}) {
+        Bitmap p;
+        p.width = 25;
+        p.height = 16;
+        p.filter = Bitmap::Filter::Nearest;
+        std::vector<float> pixels;
+        for (int i = 0; i < p.width * p.height * 3; ++i)
+            pixels.push_back(std::sqrt(static_cast<float>(i * 7 % values)) - 3.0f);
+        pixels[0] = -0.0f;
+        pixels[1] = 0.0f;
+        p.pixels = std::make_shared<std::vector<float>>(pixels);
+        const TexturePtr t = makeBitmapTexture(p);
+        for (int y = 0; y < p.height; ++y)
+            for (int x = 0; x < p.width; ++x) {
+                const SurfaceInteraction si = flatInteraction(
+                    {(static_cast<float>(x) + 0.5f) / 25, (static_cast<float>(y) + 0.5f) / 16});
+                t->prefetch(si);
+                const size_t i = 3 * static_cast<size_t>(y * p.width + x);
+                ASSERT_EQ(t->rgb(si), Rgb(pixels[i], pixels[i + 1], pixels[i + 2])) << values;
+            }
+    }
+}
+
 TEST(BitmapTexture, WrapModes) {
     Bitmap p = numbered(4, 1);
     p.filter = Bitmap::Filter::Nearest;

@@ -294,6 +294,7 @@ bool nearest(RTCScene scene, const Ray& ray, RTCRayHit& query, Ray& analyticRay)
 }
 
 bool anything(RTCScene scene, const Ray& ray) {
+    if (!(ray.tMax > 0)) return false;
     QueryContext context;
     rtcInitIntersectContext(&context.embree);
     RTCRay query = toEmbree(ray);
@@ -302,36 +303,35 @@ bool anything(RTCScene scene, const Ray& ray) {
 }
 
 /// Embree's types and functions for packets of N rays.
-template <int N>
-struct Packets;
-template <>
-struct Packets<4> {
-    using Rays = RTCRay4;
-    using RayHits = RTCRayHit4;
-    static constexpr auto intersect = rtcIntersect4;
-    static constexpr auto occluded = rtcOccluded4;
+template <int N, class R, class H, auto intersectFunction, auto occludedFunction>
+struct Packets {
+    static constexpr int kWidth = N;
+    using Rays = R;
+    using RayHits = H;
+    static constexpr auto intersect = intersectFunction;
+    static constexpr auto occluded = occludedFunction;
 };
-template <>
-struct Packets<8> {
-    using Rays = RTCRay8;
-    using RayHits = RTCRayHit8;
-    static constexpr auto intersect = rtcIntersect8;
-    static constexpr auto occluded = rtcOccluded8;
-};
-template <>
-struct Packets<16> {
-    using Rays = RTCRay16;
-    using RayHits = RTCRayHit16;
-    static constexpr auto intersect = rtcIntersect16;
-    static constexpr auto occluded = rtcOccluded16;
-};
+using Packets4 = Packets<4, RTCRay4, RTCRayHit4, rtcIntersect4, rtcOccluded4>;
+using Packets8 = Packets<8, RTCRay8, RTCRayHit8, rtcIntersect8, rtcOccluded8>;
+using Packets16 = Packets<16, RTCRay16, RTCRayHit16, rtcIntersect16, rtcOccluded16>;
+
+/// Calls body(packets) with the kind of this width, one of 4, 8 and 16.
+template <class Body>
+void withPackets(int width, Body&& body) {
+    if (width == 16)
+        body(Packets16());
+    else if (width == 8)
+        body(Packets8());
+    else
+        body(Packets4());
+}
 
 /// The packet's first `count` rays; the others are left out.
 template <int N, class Rays>
 void load(const Ray* rays, int count, Rays& packet, int* valid) {
     for (int k = 0; k < N; ++k) {
-        valid[k] = k < count ? -1 : 0;
         const Ray& ray = rays[k < count ? k : 0];
+        valid[k] = k < count && ray.tMax > 0 ? -1 : 0;
         packet.org_x[k] = ray.origin.x, packet.org_y[k] = ray.origin.y, packet.org_z[k] = ray.origin.z;
         packet.dir_x[k] = ray.direction.x, packet.dir_y[k] = ray.direction.y,
         packet.dir_z[k] = ray.direction.z;
@@ -350,9 +350,10 @@ void initialise(Rays& packet) {
     }
 }
 
-template <int N>
+template <class P>
 void intersectPackets(RTCScene scene, RayBatch& batch, Coherence coherence, Ray* analyticRays) {
-    typename Packets<N>::RayHits packet;
+    constexpr int N = P::kWidth;
+    typename P::RayHits packet;
     initialise<N>(packet.ray);
     alignas(64) int valid[N];
     QueryContext context;
@@ -363,7 +364,7 @@ void intersectPackets(RTCScene scene, RayBatch& batch, Coherence coherence, Ray*
         load<N>(&batch.rays[first], count, packet.ray, valid);
         for (int k = 0; k < N; ++k) packet.hit.geomID[k] = packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
         context.analyticRays = analyticRays ? analyticRays + first : nullptr;
-        Packets<N>::intersect(valid, scene, &context.embree, &packet);
+        P::intersect(valid, scene, &context.embree, &packet);
         for (int k = 0; k < count; ++k)
             batch.hits[first + k] = {packet.hit.geomID[k],
                                      packet.hit.primID[k],
@@ -372,9 +373,10 @@ void intersectPackets(RTCScene scene, RayBatch& batch, Coherence coherence, Ray*
     }
 }
 
-template <int N>
+template <class P>
 void occludedPackets(RTCScene scene, OcclusionBatch& batch) {
-    typename Packets<N>::Rays packet;
+    constexpr int N = P::kWidth;
+    typename P::Rays packet;
     initialise<N>(packet);
     alignas(64) int valid[N];
     QueryContext context;
@@ -382,7 +384,7 @@ void occludedPackets(RTCScene scene, OcclusionBatch& batch) {
     for (size_t first = 0; first < batch.size(); first += N) {
         const int count = static_cast<int>(std::min<size_t>(N, batch.size() - first));
         load<N>(&batch.rays[first], count, packet, valid);
-        Packets<N>::occluded(valid, scene, &context.embree, &packet);
+        P::occluded(valid, scene, &context.embree, &packet);
         for (int k = 0; k < count; ++k) batch.blocked[first + k] = packet.tfar[k] < 0;
     }
 }
@@ -426,12 +428,10 @@ void Intersector::intersect(RayBatch& batch, Coherence coherence) const {
                 const RTCHit& hit = query.hit;
                 batch.hits[i] = {hit.geomID, hit.primID, hit.instID[0], {hit.u, hit.v}};
             }
-        } else if (impl_->packetWidth == 16) {
-            intersectPackets<16>(scene, batch, coherence, analyticRays);
-        } else if (impl_->packetWidth == 8) {
-            intersectPackets<8>(scene, batch, coherence, analyticRays);
         } else {
-            intersectPackets<4>(scene, batch, coherence, analyticRays);
+            withPackets(impl_->packetWidth, [&](auto packets) {
+                intersectPackets<decltype(packets)>(scene, batch, coherence, analyticRays);
+            });
         }
     }
     if (RayRecorder* recorder = RayRecorder::active())
@@ -468,12 +468,9 @@ void Intersector::occluded(OcclusionBatch& batch) const {
         const BatchTimer timer(&RayCounters::shadowRays, n);
         if (areFew(n) || impl_->packetWidth == 1)
             for (size_t i = 0; i < n; ++i) batch.blocked[i] = anything(scene, batch.rays[i]);
-        else if (impl_->packetWidth == 16)
-            occludedPackets<16>(scene, batch);
-        else if (impl_->packetWidth == 8)
-            occludedPackets<8>(scene, batch);
         else
-            occludedPackets<4>(scene, batch);
+            withPackets(impl_->packetWidth,
+                        [&](auto packets) { occludedPackets<decltype(packets)>(scene, batch); });
     }
     if (RayRecorder* recorder = RayRecorder::active())
         for (size_t i = 0; i < n; ++i) recorder->add({batch.rays[i], true, batch.blocked[i] != 0});

@@ -26,7 +26,7 @@ class Intersector {
 
     /// Nearest hit. The origin must have been moved off its own surface (offsetRayOrigin).
     bool intersect(const Ray& ray, SurfaceInteraction& si) const;
-    /// Whether anything lies within (0, ray.tMax).
+    /// Whether anything lies within (0, ray.tMax); nothing does where that is empty.
     bool occluded(const Ray& ray) const;
 
     /// The same for many rays at once: fills `hits`.

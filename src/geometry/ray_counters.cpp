@@ -50,7 +50,7 @@ RayCounters::~RayCounters() {
     std::erase(registry().live, this);
 }
 
-RayCounters& RayCounters::add() {
+RayCounters& RayCounters::addThread() {
     thread_local RayCounters counters;
     known_ = &counters;
     return counters;

@@ -17,12 +17,21 @@ struct alignas(64) RayCounters {
     RayCounters(const RayCounters&) = delete;
     RayCounters& operator=(const RayCounters&) = delete;
 
-    static RayCounters& ofThisThread() { return known_ ? *known_ : add(); }
+    static RayCounters& ofThisThread() { return known_ ? *known_ : addThread(); }
+    void count(std::atomic<uint64_t> RayCounters::*kind, uint64_t rays) { add(this->*kind, rays); }
+    void addTime(std::chrono::steady_clock::duration elapsed, uint64_t share = 1) {
+        const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(elapsed).count();
+        add(timedNanoseconds, static_cast<uint64_t>(nanoseconds) / share);
+    }
     static RayStatistics total();
     static void reset();
 
   private:
-    static RayCounters& add();
+    static RayCounters& addThread();
+    /// Only this thread writes: no atomic addition is needed.
+    static void add(std::atomic<uint64_t>& sum, uint64_t term) {
+        sum.store(sum.load(std::memory_order_relaxed) + term, std::memory_order_relaxed);
+    }
     /// Spares each ray the question whether a thread_local object has been constructed.
     static constinit inline thread_local RayCounters* known_ = nullptr;
 };
@@ -33,19 +42,12 @@ class RayTimer {
     static constexpr uint64_t kTimedEvery = 64;
 
     explicit RayTimer(std::atomic<uint64_t> RayCounters::*kind) : counters_(RayCounters::ofThisThread()) {
-        auto& counter = counters_.*kind;
-        const uint64_t count = counter.load(std::memory_order_relaxed);
-        counter.store(count + 1, std::memory_order_relaxed);
-        timed_ = count % kTimedEvery == 0;
+        timed_ = (counters_.*kind).load(std::memory_order_relaxed) % kTimedEvery == 0;
+        counters_.count(kind, 1);
         if (timed_) start_ = std::chrono::steady_clock::now();
     }
     ~RayTimer() {
-        if (!timed_) return;
-        const auto elapsed = std::chrono::steady_clock::now() - start_;
-        auto& sum = counters_.timedNanoseconds;
-        const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(elapsed).count();
-        sum.store(sum.load(std::memory_order_relaxed) + static_cast<uint64_t>(nanoseconds),
-                  std::memory_order_relaxed);
+        if (timed_) counters_.addTime(std::chrono::steady_clock::now() - start_);
     }
     RayTimer(const RayTimer&) = delete;
     RayTimer& operator=(const RayTimer&) = delete;
@@ -61,17 +63,9 @@ class BatchTimer {
   public:
     BatchTimer(std::atomic<uint64_t> RayCounters::*kind, uint64_t rays)
         : counters_(RayCounters::ofThisThread()), start_(std::chrono::steady_clock::now()) {
-        auto& counter = counters_.*kind;
-        counter.store(counter.load(std::memory_order_relaxed) + rays, std::memory_order_relaxed);
+        counters_.count(kind, rays);
     }
-    ~BatchTimer() {
-        const auto elapsed = std::chrono::steady_clock::now() - start_;
-        const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(elapsed).count();
-        auto& sum = counters_.timedNanoseconds;
-        sum.store(
-            sum.load(std::memory_order_relaxed) + static_cast<uint64_t>(nanoseconds) / RayTimer::kTimedEvery,
-            std::memory_order_relaxed);
-    }
+    ~BatchTimer() { counters_.addTime(std::chrono::steady_clock::now() - start_, RayTimer::kTimedEvery); }
     BatchTimer(const BatchTimer&) = delete;
     BatchTimer& operator=(const BatchTimer&) = delete;
 

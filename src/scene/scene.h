@@ -61,7 +61,7 @@ class Scene {
     Ray rayToInfinity(const Vec3f& x, const Vec3f& ng, const Vec3f& w) const {
         return {offsetRayOrigin(x, ng, w), w, kInfinity};
     }
-    bool isFree(const Ray& ray) const { return !(ray.tMax > 0) || !intersector_->occluded(ray); }
+    bool isFree(const Ray& ray) const { return !intersector_->occluded(ray); }
 
     const Intersector& intersector() const { return *intersector_; }
     const Camera& camera() const { return *parts_.camera; }

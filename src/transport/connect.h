@@ -23,6 +23,7 @@ struct PendingConnection {
 /// Eye vertex to a fresh light point (s = 1). False when its value is zero whatever is in the way.
 bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
                   const Vec2f& u, PendingConnection& pending);
+/// The same with its visibility.
 Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
                    const Vec2f& u);
 

@@ -1,7 +1,7 @@
 #include "transport/eye_wave.h"
 
+#include "sampling/sample_stream.h"
 #include "sampling/sobol.h"
-#include "sampling/streams.h"
 
 namespace metrolux {
 
@@ -134,11 +134,9 @@ void EyeWave::estimateDirect() {
         shadows_.rays.push_back(pending.shadow);
     }
     pass_.scene.intersector().occluded(shadows_);
-    for (size_t i = 0; i < waiting_.size(); ++i) {
-        const bool blocked = shadows_.blocked[i] && shadows_.rays[i].tMax > 0;  // as Scene::isFree
-        if (!blocked && !film_.rejectNonFinite(waiting_[i].value, Technique::Nee))
+    for (size_t i = 0; i < waiting_.size(); ++i)
+        if (!shadows_.blocked[i] && !film_.rejectNonFinite(waiting_[i].value, Technique::Nee))
             lanes_[waiting_[i].lane].sum += waiting_[i].value;
-    }
     waiting_.clear();
     shadows_.clear();
 }

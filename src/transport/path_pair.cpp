@@ -131,10 +131,8 @@ void PathPair::one(int length, SampleStream& u, SplatList& splats) const {
     traceEyeSubpath(scene, streams.eye, limits, strategies, raster, area, 0, eye);
     if (!eye.canConnect()) return;
     if (s == 1) {
-        streams.nee.seek(eye.vertex()->depth);
-        const float uLight = streams.nee.next1D();
-        streams.nee.skip(EyePass::kLightPointCoordinate - EyePass::kLightCoordinate - 1);
-        add(connectToLight(scene, strategies, *eye.vertex(), uLight, streams.nee.next2D()), Technique::Nee);
+        add(EyePass{scene, limits, strategies}.estimateDirect(*eye.vertex(), streams.nee, film),
+            Technique::Nee);
     } else {
         add(connectVertices(scene, strategies, *light.vertex(), *eye.vertex()), Technique::Connect);
     }

@@ -389,8 +389,10 @@ void occludedPackets(RTCScene scene, OcclusionBatch& batch) {
     }
 }
 
-/// Whether so few rays are traced faster one by one than in a packet.
-bool areFew(size_t count) { return count < 4; }
+/// Whether rays are traced one by one: so few are not slower so.
+bool oneByOne(size_t count, int packetWidth, Coherence coherence) {
+    return count < 4 || packetWidth == 1 || coherence == Coherence::Alone;
+}
 
 }  // namespace
 
@@ -419,8 +421,8 @@ void Intersector::intersect(RayBatch& batch, Coherence coherence) const {
     }
     const RTCScene scene = impl_->top.scene;
     {
-        const BatchTimer timer(&RayCounters::intersectRays, n);
-        if (areFew(n) || impl_->packetWidth == 1) {
+        const RayTimer timer(&RayCounters::intersectRays, n);
+        if (oneByOne(n, impl_->packetWidth, coherence)) {
             Ray unused;
             for (size_t i = 0; i < n; ++i) {
                 RTCRayHit query;
@@ -460,13 +462,13 @@ bool Intersector::occluded(const Ray& ray) const {
     return found;
 }
 
-void Intersector::occluded(OcclusionBatch& batch) const {
+void Intersector::occluded(OcclusionBatch& batch, Coherence coherence) const {
     const size_t n = batch.size();
     batch.blocked.resize(n);
     const RTCScene scene = impl_->top.scene;
     {
-        const BatchTimer timer(&RayCounters::shadowRays, n);
-        if (areFew(n) || impl_->packetWidth == 1)
+        const RayTimer timer(&RayCounters::shadowRays, n);
+        if (oneByOne(n, impl_->packetWidth, coherence))
             for (size_t i = 0; i < n; ++i) batch.blocked[i] = anything(scene, batch.rays[i]);
         else
             withPackets(impl_->packetWidth,

@@ -37,7 +37,7 @@ class Intersector {
     void prefetchFace(const RayHit& hit) const;
     void prefetchVertices(const RayHit& hit) const;
     /// Fills `blocked`.
-    void occluded(OcclusionBatch& batch) const;
+    void occluded(OcclusionBatch& batch, Coherence coherence = Coherence::None) const;
 
     /// Asks Embree the same again and does nothing with the answers: what tracing rays alone costs. Returns
     /// how many answers differ from the recorded ones (none, on the scene that they were recorded on).

@@ -39,8 +39,11 @@ struct OcclusionBatch {
     size_t size() const { return rays.size(); }
 };
 
-/// Whether the rays of a batch start and run close to each other (camera rays do): packets are then traced as
-/// one bundle.
-enum class Coherence : uint8_t { None, High };
+/// How the rays of a batch go together.
+enum class Coherence : uint8_t {
+    Alone,  ///< they do not: no answer depends on which others there are, not even at equal distances
+    None,   ///< in packets
+    High    ///< in packets traced as one bundle: they start and run close to each other, as camera rays do
+};
 
 }  // namespace metrolux

@@ -19,9 +19,8 @@ struct alignas(64) RayCounters {
 
     static RayCounters& ofThisThread() { return known_ ? *known_ : addThread(); }
     void count(std::atomic<uint64_t> RayCounters::*kind, uint64_t rays) { add(this->*kind, rays); }
-    void addTime(std::chrono::steady_clock::duration elapsed, uint64_t share = 1) {
-        const auto nanoseconds = std::chrono::duration_cast<std::chrono::nanoseconds>(elapsed).count();
-        add(timedNanoseconds, static_cast<uint64_t>(nanoseconds) / share);
+    void addTime(std::chrono::steady_clock::duration elapsed) {
+        add(timedNanoseconds, static_cast<uint64_t>(std::chrono::nanoseconds(elapsed).count()));
     }
     static RayStatistics total();
     static void reset();
@@ -36,18 +35,22 @@ struct alignas(64) RayCounters {
     static constinit inline thread_local RayCounters* known_ = nullptr;
 };
 
-/// Counts a ray and, for one in kTimedEvery, the time until the end of the scope.
+/// Counts rays that are traced together. The time until the end of the scope is measured if one of them is
+/// the kTimedEvery-th, and shared out evenly.
 class RayTimer {
   public:
     static constexpr uint64_t kTimedEvery = 64;
 
-    explicit RayTimer(std::atomic<uint64_t> RayCounters::*kind) : counters_(RayCounters::ofThisThread()) {
-        timed_ = (counters_.*kind).load(std::memory_order_relaxed) % kTimedEvery == 0;
-        counters_.count(kind, 1);
-        if (timed_) start_ = std::chrono::steady_clock::now();
+    explicit RayTimer(std::atomic<uint64_t> RayCounters::*kind, uint64_t rays = 1)
+        : counters_(RayCounters::ofThisThread()), rays_(rays) {
+        const uint64_t before = (counters_.*kind).load(std::memory_order_relaxed);
+        const auto timedBefore = [](uint64_t n) { return (n + kTimedEvery - 1) / kTimedEvery; };
+        timed_ = timedBefore(before + rays) - timedBefore(before);
+        counters_.count(kind, rays);
+        if (timed_ > 0) start_ = std::chrono::steady_clock::now();
     }
     ~RayTimer() {
-        if (timed_) counters_.addTime(std::chrono::steady_clock::now() - start_);
+        if (timed_ > 0) counters_.addTime((std::chrono::steady_clock::now() - start_) * timed_ / rays_);
     }
     RayTimer(const RayTimer&) = delete;
     RayTimer& operator=(const RayTimer&) = delete;
@@ -55,23 +58,7 @@ class RayTimer {
   private:
     RayCounters& counters_;
     std::chrono::steady_clock::time_point start_;
-    bool timed_ = false;
-};
-
-/// Counts the rays of a batch and their time, which enters the sum as that of one ray in kTimedEvery would.
-class BatchTimer {
-  public:
-    BatchTimer(std::atomic<uint64_t> RayCounters::*kind, uint64_t rays)
-        : counters_(RayCounters::ofThisThread()), start_(std::chrono::steady_clock::now()) {
-        counters_.count(kind, rays);
-    }
-    ~BatchTimer() { counters_.addTime(std::chrono::steady_clock::now() - start_, RayTimer::kTimedEvery); }
-    BatchTimer(const BatchTimer&) = delete;
-    BatchTimer& operator=(const BatchTimer&) = delete;
-
-  private:
-    RayCounters& counters_;
-    std::chrono::steady_clock::time_point start_;
+    uint64_t rays_, timed_;
 };
 
 }  // namespace metrolux

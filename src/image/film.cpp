@@ -44,11 +44,11 @@ struct Film::Implementation {
     BlockedErrorEstimate error;
     bool errorKnown = true;  ///< all passes went through `error`
 
-    explicit Implementation(int count)
-        : eye(static_cast<size_t>(count)),
-          splats(static_cast<size_t>(count)),
-          sums(static_cast<size_t>(count)),
-          error(static_cast<uint32_t>(count)) {}
+    explicit Implementation(const FilmWindow& window)
+        : eye(static_cast<size_t>(window.pixelCount())),
+          splats(static_cast<size_t>(window.width), static_cast<size_t>(window.height)),
+          sums(eye.size()),
+          error(static_cast<uint32_t>(eye.size())) {}
 };
 
 Film::Film(const FilmWindow& window, const ReconstructionFilter& filter) : window_(window), filter_(filter) {
@@ -64,7 +64,7 @@ Film::Film(const FilmWindow& window, const ReconstructionFilter& filter) : windo
     // Memory that is promised and not there would have the system end the process in the middle of a pass.
     if (const uint64_t machine = physicalMemoryBytes(); machine > 0)
         MemoryBudget(machine).require(bytes, fmt::format("film: {}x{} pixels", window.width, window.height));
-    implementation_ = std::make_shared<Implementation>(window.pixelCount());
+    implementation_ = std::make_shared<Implementation>(window);
 }
 
 Vec2f Film::samplePosition(uint32_t pixel, const Vec2f& u, float& weight) const {
@@ -100,27 +100,64 @@ void Film::addEye(uint32_t pixel, const Rgb& value) {
 void Film::addSplats(const SplatList& splats, double scale) { addSplats(splats, scale, scale); }
 
 namespace {
-/// Pixels along one axis that a film splat reaches, with their weights.
-struct Reach {
-    static constexpr int kCapacity = 68;  // twice the largest filter radius, and rounding
-    int first = 0, count = 0;
-    std::array<float, kCapacity> weights;
 
-    Reach(const ReconstructionFilter& filter, float x, int fullSize, int windowBegin, int windowSize) {
-        const float radius = filter.radius();
+/// Pixels along one axis that a film splat at x reaches.
+struct Reach {
+    int first = 0, count = 0;
+    Reach(float radius, float x, int windowBegin, int windowSize) {
         first = std::max(windowBegin, static_cast<int>(std::floor(x - radius - 0.5f)));
         const int last =
             std::min(windowBegin + windowSize - 1, static_cast<int>(std::ceil(x + radius - 0.5f)));
-        count = std::clamp(last - first + 1, 0, kCapacity);
-        for (int i = 0; i < count; ++i) weights[i] = filter.evaluate(first + i, fullSize, x);
+        // Twice the largest filter radius, and rounding.
+        count = std::clamp(last - first + 1, 0, static_cast<int>(FixedPointImage::kMostColumns));
     }
 };
+
+/// Those with weights.
+struct Weights {
+    int first = 0;
+    size_t count = 0;
+    std::array<float, FixedPointImage::kMostColumns> weights;
+
+    Weights(const ReconstructionFilter& filter, float x, int fullSize, int windowBegin, int windowSize) {
+        const Reach reach(filter.radius(), x, windowBegin, windowSize);
+        for (int i = 0; i < reach.count; ++i) {
+            const float weight = filter.evaluate(reach.first + i, fullSize, x);
+            if (count == 0 && weight == 0) continue;
+            if (count == 0) first = reach.first + i;
+            weights[count++] = weight;
+        }
+        while (count > 0 && weights[count - 1] == 0) --count;
+    }
+    std::span<const float> all() const { return {weights.data(), count}; }
+};
+
+/// False off the image: also keeps conversions to int in range.
+bool isOnImage(const FilmWindow& window, const Vec2f& p) {
+    return p.x >= 0 && p.y >= 0 && p.x <= static_cast<float>(window.fullWidth) &&
+           p.y <= static_cast<float>(window.fullHeight);
+}
+
 }  // namespace
+
+void Film::prefetch(const SplatList& splats) const {
+    const FixedPointImage& film = implementation_->splats;
+    for (const SplatList::PixelSplat& splat : splats.pixels) film.prefetch(splat.pixel);
+    for (const SplatList::FilmSplat& splat : splats.film) {
+        if (!isOnImage(window_, splat.position)) continue;
+        const Reach columns(filter_.radius(), splat.position.x, window_.x, window_.width);
+        const Reach rows(filter_.radius(), splat.position.y, window_.y, window_.height);
+        if (columns.count == 0) continue;
+        for (int row = 0; row < rows.count; ++row)
+            film.prefetch(static_cast<size_t>(rows.first + row - window_.y) * window_.width +
+                              static_cast<size_t>(columns.first - window_.x),
+                          static_cast<size_t>(columns.count));
+    }
+}
 
 void Film::addSplats(const SplatList& splats, double pixelScale, double filmScale) {
     FixedPointImage& film = implementation_->splats;
-    // Atomic additions wait for memory one after the other: all is asked for first.
-    for (const SplatList::PixelSplat& splat : splats.pixels) film.prefetch(splat.pixel);
+    prefetch(splats);
     for (const SplatList::PixelSplat& splat : splats.pixels) {
         assert(splat.pixel < static_cast<uint32_t>(pixelCount()));
         if (!film.add(splat.pixel, splat.value, pixelScale)) countNonFinite(Technique::Merge);
@@ -131,23 +168,14 @@ void Film::addSplats(const SplatList& splats, double pixelScale, double filmScal
             countNonFinite(Technique::Splat);
             continue;
         }
-        // Off the image: also keeps the conversions to int below in range.
-        if (p.x < 0 || p.y < 0 || p.x > static_cast<float>(window_.fullWidth) ||
-            p.y > static_cast<float>(window_.fullHeight))
-            continue;
-        const Reach columns(filter_, p.x, window_.fullWidth, window_.x, window_.width);
-        const Reach rows(filter_, p.y, window_.fullHeight, window_.y, window_.height);
-        bool fits = true;
-        for (int row = 0; row < rows.count; ++row) {
-            if (rows.weights[row] == 0) continue;
-            const double rowScale = filmScale * rows.weights[row];
-            const size_t line = static_cast<size_t>(rows.first + row - window_.y) * window_.width +
-                                static_cast<size_t>(columns.first - window_.x);
-            for (int column = 0; column < columns.count; ++column)
-                if (columns.weights[column] != 0)
-                    fits &= film.add(line + column, splat.value, rowScale * columns.weights[column]);
-        }
-        if (!fits) countNonFinite(Technique::Splat);
+        if (!isOnImage(window_, p)) continue;
+        const Weights columns(filter_, p.x, window_.fullWidth, window_.x, window_.width);
+        const Weights rows(filter_, p.y, window_.fullHeight, window_.y, window_.height);
+        if (columns.count == 0 || rows.count == 0) continue;
+        if (!film.addProduct(static_cast<size_t>(columns.first - window_.x),
+                             static_cast<size_t>(rows.first - window_.y), columns.all(), rows.all(),
+                             splat.value, filmScale))
+            countNonFinite(Technique::Splat);
     }
 }
 

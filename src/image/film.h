@@ -62,6 +62,9 @@ class Film {
     /// As addSplats with another factor for film splats than for pixel splats.
     void addSplats(const SplatList& splats, double pixelScale, double filmScale);
 
+    /// Asks for the memory that addSplats() will add to.
+    void prefetch(const SplatList& splats) const;
+
     /// Closes a pass: adds it to the running sums, updates the per-pixel variance and the error estimate.
     void endPass();
     uint32_t passes() const { return passes_; }

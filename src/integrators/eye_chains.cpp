@@ -53,8 +53,11 @@ struct EyeChains::Model {
         u.push_back(std::min(static_cast<float>(y), kOneMinusEpsilon));
     }
 
-    void evaluateUniform(SampleStream& u, EyeSubpath& e) const { evaluate(u, e); }
-
+    using Evaluations = std::span<const Evaluation<EyeSubpath>>;
+    void evaluateUniform(Evaluations evaluations) const { evaluate(evaluations); }
+    void evaluate(Evaluations evaluations) const {
+        for (const auto& [stream, value] : evaluations) evaluate(*stream, *value);
+    }
     void evaluate(SampleStream& u, EyeSubpath& e) const {
         u.seek(0);
         e.pixel = pixelAt(film.window(), u.next2D());

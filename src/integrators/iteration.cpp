@@ -89,13 +89,21 @@ void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t p
     const double scale = 1.0 / double(count);
     if (sizes) sizes->assign(count, 0);
     parallelFor((count + kChunk - 1) / kChunk, [&](size_t chunk) {
-        SplatList splats;
-        for (size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
-            IndependentStream stream(lightSubpathKey(seed, passIndex, first + i));
-            pass.evaluate(stream, splats, counted);
-            if (splats.empty()) continue;
-            film.addSplats(splats, scale, scale * filmShare);
-            if (sizes) (*sizes)[i] = pass.size(splats);
+        const size_t begin = chunk * kChunk, n = std::min(count - begin, kChunk);
+        static thread_local std::vector<SplatList> splats(kChunk);  // keep their memory
+        std::vector<IndependentStream> streams;
+        std::vector<LightJob> jobs;
+        streams.reserve(n);
+        for (size_t i = 0; i < n; ++i) {
+            streams.emplace_back(lightSubpathKey(seed, passIndex, first + begin + i));
+            jobs.push_back({&streams[i], &splats[i], counted});
+        }
+        pass.evaluate(jobs, Coherence::None);
+        for (size_t i = 0; i < n; ++i) {
+            if (i + 1 < n) film.prefetch(splats[i + 1]);
+            if (splats[i].empty()) continue;
+            film.addSplats(splats[i], scale, scale * filmShare);
+            if (sizes) (*sizes)[begin + i] = pass.size(splats[i]);
         }
     });
 }

@@ -18,11 +18,19 @@ struct LightModel {
     const PixelImportance* importance;        ///< may be null
 
     void startUniform(PrimarySample&, CounterRng&, size_t, size_t) const {}
-    void evaluateUniform(SampleStream& u, LightContribution& c) const { evaluate(u, c, photons); }
-    void evaluate(SampleStream& u, LightContribution& c, PhotonDensity* counted = nullptr) const {
-        pass.evaluate(u, c.splats, counted, trails ? &c.trail : nullptr);
-        c.size = pass.size(c.splats);
-        c.squares = importance ? importance->squares(c.splats) : c.size * c.size;
+    using Evaluations = std::span<const Evaluation<LightContribution>>;
+    void evaluateUniform(Evaluations evaluations) const { evaluate(evaluations, photons, Coherence::None); }
+    void evaluate(Evaluations evaluations) const { evaluate(evaluations, nullptr, Coherence::Alone); }
+    void evaluate(Evaluations evaluations, PhotonDensity* counted, Coherence coherence) const {
+        std::vector<LightJob> jobs;
+        for (const auto& [stream, c] : evaluations)
+            jobs.push_back({stream, &c->splats, counted, trails ? &c->trail : nullptr});
+        pass.evaluate(jobs, coherence);
+        for (const auto& [stream, c] : evaluations) {
+            c->size = pass.size(c->splats);
+            c->squares = importance ? importance->squares(c->splats) : c->size * c->size;
+            film.prefetch(c->splats);  // most proposals are paid next, when they are left
+        }
     }
     void pay(size_t lane, const LightContribution& c, double weight) const {
         film.addSplats(c.splats, weight, weight * filmShare);

@@ -76,11 +76,22 @@ class MarkovChain {
     /// the value.
     template <class Evaluate>
     double propose(Evaluate&& evaluate, MarkovState<Value>& proposal, CounterRng& rng) {
-        kernel_.mutate(state_.u, proposal.u, rng);
-        proposal.weight = 0;
-        MutatedStream stream(state_.u, proposal.u, kernel_, rng);
+        MutatedStream stream = mutate(proposal, rng);
         evaluate(stream, proposal.value);
         return acceptance(proposal);
+    }
+
+    /// propose() in parts: makes a mutation of the current state, whose value is to be evaluated from the
+    /// stream, then acceptance(). The chain's state, the proposal and `rng` must stay where they are until
+    /// then.
+    MutatedStream mutate(MarkovState<Value>& proposal, CounterRng& rng) {
+        kernel_.mutate(state_.u, proposal.u, rng);
+        proposal.weight = 0;
+        return {state_.u, proposal.u, kernel_, rng};
+    }
+    double acceptance(const MarkovState<Value>& proposal) const {
+        const double now = target_(state_.value), then = target_(proposal.value);
+        return now > 0 ? std::min(1.0, then / now) : (then > 0 ? 1.0 : 0.0);
     }
 
     /// As propose() with an independent uniform sample in place of a mutation (the large step of [Kel02]):
@@ -116,11 +127,6 @@ class MarkovChain {
     }
 
   private:
-    double acceptance(const MarkovState<Value>& proposal) const {
-        const double now = target_(state_.value), then = target_(proposal.value);
-        return now > 0 ? std::min(1.0, then / now) : (then > 0 ? 1.0 : 0.0);
-    }
-
     MutationKernel kernel_;
     Target target_;
     MarkovState<Value> state_;

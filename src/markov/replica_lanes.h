@@ -10,8 +10,12 @@
 #include "markov/split_estimator.h"
 #include "sampling/streams.h"
 
+#include <tbb/task_arena.h>
+
 #include <array>
 #include <cmath>
+#include <optional>
+#include <span>
 
 namespace metrolux {
 
@@ -45,15 +49,25 @@ struct ReplicaCounts {
     uint64_t replaced = 0;                   ///< states that had become invisible
 };
 
+/// A value that is to be made from its stream.
+template <class Value>
+struct Evaluation {
+    SampleStream* stream;
+    Value* value;
+};
+
 /// A fixed number of lanes, each with its own chains, adaptation and random numbers, that live across
 /// iterations. `Value` has `double size` (F), `bool visible() const`, and may have `double squares`, the
 /// noise that it brings, for the measured split (F^2 without). A `Model` joins them with transport:
 ///
 ///     void startUniform(PrimarySample& u, CounterRng&, size_t lane, size_t step)  // coordinates to begin
-///     with void evaluateUniform(SampleStream&, Value&), evaluate(SampleStream&, Value&) void pay(size_t
-///     lane, Value&, double weight)  // adds what the value contributes, with its weight
+///     with void evaluateUniform(std::span<const Evaluation<Value>>) void evaluate(std::span<const
+///     Evaluation<Value>>) void pay(size_t lane, Value&, double weight)  // adds what the value contributes,
+///     with its weight
 ///
-/// Its calls come from many threads, those of a lane from one.
+/// Its calls come from many threads, those of a lane from one. evaluateUniform() gets samples of one lane,
+/// evaluate() proposals of as many lanes as are run together, which depends on the number of threads: what it
+/// makes of a stream must not depend on the others.
 template <class Value>
 class ReplicaLanes {
   public:
@@ -117,17 +131,20 @@ class ReplicaLanes {
         // them.
         const bool pooled = mix.uniform * mix.bVisibility >= kSmallestPool;
         sawChains_ = true;
-        for (Lane& lane : lanes_) {
-            for (auto& e : lane.early) lane.spare.push_back(std::move(e.state));
-            lane.early.clear();
-            lane.squares = {};
-        }
-        const size_t early = pooled ? takeEarlySamples(model, mix) : 0;
-        if (pooled)
-            startChains(model, pass, first, double(early * lanes_.size()), mix);
-        else
+        for (Lane& lane : lanes_) lane.begin();
+        if (pooled) {
+            const size_t taken = takePool(model, mix);
+            startChains(model, pass, first, double(taken * lanes_.size()), mix);
+        } else {
             renewStates(model);
-        parallelFor(lanes_.size(), [&](size_t i) { runLane(model, i, mix, early); });
+        }
+        // Lanes of a group take turns at each step, so that their proposals are evaluated side by side.
+        const auto threads = static_cast<size_t>(tbb::this_task_arena::max_concurrency());
+        const size_t group =
+            std::clamp<size_t>(lanes_.size() / (kGroupsPerThread * threads), 1, kLargestGroup);
+        parallelFor((lanes_.size() + group - 1) / group, [&](size_t i) {
+            runLanes(model, i * group, std::min(lanes_.size(), (i + 1) * group), mix);
+        });
     }
 
     /// Closes the iteration, made with this squared radius.
@@ -179,6 +196,11 @@ class ReplicaLanes {
     /// With fewer visible uniform samples expected in an iteration, chains go on from the last one's states.
     static constexpr double kSmallestPool = 4;
 
+    /// Uniform samples of a lane that are taken together, when the pool is used up.
+    static constexpr size_t kUniformBatch = 64;
+    /// More groups than threads, because they are never equally fast.
+    static constexpr size_t kGroupsPerThread = 2, kLargestGroup = 16;
+
     struct Lane {
         Lane(uint64_t seed, int index, MutationKernel::Kind kind)
             : rng(hashKey(seed, StreamPurpose::Chain, index)),
@@ -188,12 +210,15 @@ class ReplicaLanes {
         CounterRng rng;
         MarkovChain<Value, VisibilityTarget> visibility;
         MarkovChain<Value, ContributionTarget> contribution;
-        /// A visible uniform sample that was taken before the chains of the iteration started.
-        struct Early {
+        /// A visible uniform sample that was taken before the chains came to it.
+        struct Ahead {
             size_t sample;  ///< its number among the lane's uniform samples
             State state;
         };
-        std::vector<Early> early;
+        std::vector<Ahead> ahead;
+        size_t nextAhead = 0;      ///< the first that the chains have not come to
+        size_t taken = 0;          ///< uniform samples of the iteration, so far
+        size_t passed = 0;         ///< of them, those that the chains have come to
         std::vector<State> spare;  ///< used up, kept for their memory
         State takeSpare() {
             if (spare.empty()) return {};
@@ -201,9 +226,26 @@ class ReplicaLanes {
             spare.pop_back();
             return state;
         }
+        /// Forgets what has been taken ahead.
+        void discardAhead() {
+            for (Ahead& a : ahead) spare.push_back(std::move(a.state));
+            ahead.clear();
+            nextAhead = 0;
+        }
+        /// An iteration.
+        void begin() {
+            discardAhead();
+            taken = passed = 0;
+            squares = {};
+        }
         PrimarySample lastVisible;  ///< last visible uniform sample: replaces a state that became invisible
-        State uniform, proposal;    ///< kept for their memory
-        size_t uniformSamples = 0;  ///< of the iteration, so far
+        /// Proposal of a chain, kept for its memory, and the stream that it is evaluated from.
+        struct Proposal {
+            State state;
+            std::optional<MutatedStream> stream;
+        };
+        Proposal forVisibility, forContribution;
+        bool fresh = false;  ///< the visibility replica has received a uniform sample in this step
         uint64_t swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
         Normalisation::Samples samples;
         SplitEstimator::Squares squares;
@@ -247,45 +289,56 @@ class ReplicaLanes {
         state.weight = 0;
     }
 
+    static size_t samplesOf(double count, size_t lanes) { return static_cast<size_t>(count) / lanes; }
+
+    /// Takes the lane's uniform samples up to number `end`. Invisible ones are done with, visible ones are
+    /// kept until the chains come to them.
     template <class Model>
-    void uniformSample(Model& model, size_t index, size_t sample, const ReplicaMixture& mix) {
+    void takeUniform(Model& model, size_t index, size_t end, const ReplicaMixture& mix) {
         Lane& lane = lanes_[index];
-        State& u = lane.uniform;
-        u.u.clear();
-        u.weight = 0;
-        model.startUniform(u.u, lane.rng, index, sample);
-        PrimarySampleStream stream(u.u, lane.rng);
-        model.evaluateUniform(stream, u.value);
-        lane.samples.addUniform(u.value.size);
-        if (u.value.visible()) {
-            lane.lastVisible = u.u;
-        } else {
-            u.weight = mix.invisibleWeight;
+        std::vector<State> states(end - lane.taken);
+        std::vector<PrimarySampleStream> streams;
+        std::vector<Evaluation<Value>> evaluations;
+        streams.reserve(states.size());
+        for (size_t i = 0; i < states.size(); ++i) {
+            State& state = states[i] = lane.takeSpare();
+            state.u.clear();
+            state.weight = 0;
+            model.startUniform(state.u, lane.rng, index, lane.taken + i);
+            evaluations.push_back({&streams.emplace_back(state.u, lane.rng), &state.value});
+        }
+        model.evaluateUniform(std::span<const Evaluation<Value>>(evaluations));
+        for (State& state : states) {
+            const size_t sample = lane.taken++;
+            lane.samples.addUniform(state.value.size);
+            if (state.value.visible()) {
+                lane.lastVisible = state.u;
+                lane.ahead.push_back({sample, std::move(state)});
+                continue;
+            }
+            state.weight = mix.invisibleWeight;
             lane.squares.add(SplitEstimator::Uniform, 0);
-            payOut(model, index, u);
+            payOut(model, index, state);
+            lane.spare.push_back(std::move(state));
         }
     }
 
     /// Takes the first of the iteration's uniform samples, until enough are visible to start the chains from.
-    /// Returns how many a lane has taken; the lanes keep the visible ones until their chains come to them.
+    /// Returns how many a lane has taken.
     template <class Model>
-    size_t takeEarlySamples(Model& model, const ReplicaMixture& mix) {
+    size_t takePool(Model& model, const ReplicaMixture& mix) {
         size_t taken = 0, visible = 0;
-        const size_t samples = static_cast<size_t>(mix.uniform) / lanes_.size(),
+        const size_t samples = samplesOf(mix.uniform, lanes_.size()),
                      round = std::max<size_t>(1, kPoolSize / lanes_.size());
         while (taken < samples && visible < kPoolSize) {
             const size_t end = std::min(samples, taken + round);
             parallelFor(lanes_.size(), [&](size_t i) {
-                for (size_t sample = taken; sample < end; ++sample) {
-                    uniformSample(model, i, sample, mix);
-                    if (!lanes_[i].uniform.value.visible()) continue;
-                    lanes_[i].early.push_back(
-                        {sample, std::exchange(lanes_[i].uniform, lanes_[i].takeSpare())});
-                }
+                while (lanes_[i].taken < end)
+                    takeUniform(model, i, std::min(end, lanes_[i].taken + kUniformBatch), mix);
             });
             taken = end;
             visible = 0;
-            for (const Lane& lane : lanes_) visible += lane.early.size();
+            for (const Lane& lane : lanes_) visible += lane.ahead.size();
         }
         return taken;
     }
@@ -300,9 +353,9 @@ class ReplicaLanes {
         std::vector<const State*> pool;
         std::vector<double> sizes;
         for (const Lane& lane : lanes_)
-            for (const auto& e : lane.early) {
-                pool.push_back(&e.state);
-                sizes.push_back(e.state.value.size);
+            for (const auto& a : lane.ahead) {
+                pool.push_back(&a.state);
+                sizes.push_back(a.state.value.size);
             }
         double sum = 0;
         for (const double size : sizes) sum += size;
@@ -334,7 +387,10 @@ class ReplicaLanes {
         constexpr int kFreshTries = 64;
         parallelFor(lanes_.size(), [&](size_t i) {
             Lane& lane = lanes_[i];
-            const auto evaluate = [&](SampleStream& u, Value& value) { model.evaluate(u, value); };
+            const auto evaluate = [&](SampleStream& u, Value& value) {
+                const Evaluation<Value> one{&u, &value};
+                model.evaluate({&one, 1});
+            };
             lane.visibility.reevaluate(evaluate, lane.rng);
             lane.contribution.reevaluate(evaluate, lane.rng);
             State &v = lane.visibility.state(), &f = lane.contribution.state();
@@ -354,22 +410,20 @@ class ReplicaLanes {
         });
     }
 
-    /// The step's uniform sample, of which the first `early` were taken before. `exchange`: the visibility
-    /// replica moves in this step too. Returns whether it has received the sample.
+    /// The step's uniform sample. `exchange`: the visibility replica moves in this step too. Returns whether
+    /// it has received the sample.
     template <class Model>
-    bool uniformStep(Model& model, size_t index, const ReplicaMixture& mix, size_t early, bool exchange,
-                     typename std::vector<typename Lane::Early>::iterator& nextEarly) {
+    bool uniformStep(Model& model, size_t index, const ReplicaMixture& mix, bool exchange) {
         Lane& lane = lanes_[index];
-        State& u = lane.uniform;
-        const size_t sample = lane.uniformSamples++;
-        if (sample >= early) {
-            uniformSample(model, index, sample, mix);
-        } else if (nextEarly != lane.early.end() && nextEarly->sample == sample) {
-            std::swap(u, (nextEarly++)->state);
-        } else {
-            return false;  // it was invisible
+        if (lane.passed == lane.taken) {
+            lane.discardAhead();
+            const size_t all = samplesOf(mix.uniform, lanes_.size());
+            takeUniform(model, index, std::min(all, lane.taken + kUniformBatch), mix);
         }
-        if (!u.value.visible()) return false;
+        const size_t sample = lane.passed++;
+        if (lane.nextAhead == lane.ahead.size() || lane.ahead[lane.nextAhead].sample != sample)
+            return false;  // it was invisible
+        State& u = lane.ahead[lane.nextAhead++].state;
         u.weight = mix.uniformWeight(u.value.size);
         lane.squares.add(SplitEstimator::Uniform, square(u.value, mix));
         if (!exchange) {
@@ -383,14 +437,19 @@ class ReplicaLanes {
         return true;
     }
 
-    /// `fresh`: the replica has just received a uniform sample, and does not mutate.
+    /// A chain's mutation, which waits for its evaluation.
+    template <class Chain>
+    static Evaluation<Value> propose(Chain& chain, typename Lane::Proposal& proposal, CounterRng& rng) {
+        return {&proposal.stream.emplace(chain.mutate(proposal.state, rng)), &proposal.state.value};
+    }
+
     template <class Model>
-    void visibilityStep(Model& model, size_t index, const ReplicaMixture& mix, bool fresh) {
+    void visibilityStep(Model& model, size_t index, const ReplicaMixture& mix) {
         Lane& lane = lanes_[index];
-        if (!fresh) {
-            const auto evaluate = [&](SampleStream& u, Value& value) { model.evaluate(u, value); };
-            const double a = lane.visibility.propose(evaluate, lane.proposal, lane.rng);
-            if (lane.visibility.decide(a, lane.proposal, lane.rng)) payOut(model, index, lane.proposal);
+        if (!lane.fresh) {
+            State& proposal = lane.forVisibility.state;
+            const double a = lane.visibility.acceptance(proposal);
+            if (lane.visibility.decide(a, proposal, lane.rng)) payOut(model, index, proposal);
         }
         State& v = lane.visibility.state();
         v.weight += mix.visibilityWeight(v.value.size);
@@ -402,15 +461,15 @@ class ReplicaLanes {
     template <class Model>
     void contributionStep(Model& model, size_t index, const ReplicaMixture& mix) {
         Lane& lane = lanes_[index];
-        const auto evaluate = [&](SampleStream& u, Value& value) { model.evaluate(u, value); };
         auto& chain = lane.contribution;
-        const double a = chain.propose(evaluate, lane.proposal, lane.rng);
-        lane.proposal.weight = a * mix.contributionWeight(lane.proposal.value.size);
+        State& proposal = lane.forContribution.state;
+        const double a = chain.acceptance(proposal);
+        proposal.weight = a * mix.contributionWeight(proposal.value.size);
         chain.state().weight += (1.0 - a) * mix.contributionWeight(chain.state().value.size);
         lane.squares.add(SplitEstimator::Contribution,
-                         a * square(lane.proposal.value, mix) + (1.0 - a) * square(chain.state().value, mix));
-        chain.decide(a, lane.proposal, lane.rng);
-        payOut(model, index, lane.proposal);  // the one of the two that the chain has left
+                         a * square(proposal.value, mix) + (1.0 - a) * square(chain.state().value, mix));
+        chain.decide(a, proposal, lane.rng);
+        payOut(model, index, proposal);  // the one of the two that the chain has left
         lane.samples.addContribution(chain.state().value.size);
         if (mix.visibility > 0 && lane.visibility.state().value.visible()) {
             ++lane.swapsTried;
@@ -420,25 +479,36 @@ class ReplicaLanes {
 
     /// The replicas' samples of a lane are spread evenly over as many steps as the largest number of them.
     template <class Model>
-    void runLane(Model& model, size_t index, const ReplicaMixture& mix, size_t early) {
-        Lane& lane = lanes_[index];
-        auto nextEarly = lane.early.begin();
-        lane.uniformSamples = 0;
+    void runLanes(Model& model, size_t begin, size_t end, const ReplicaMixture& mix) {
         const double most = std::max({mix.uniform, mix.visibility, mix.contribution});
-        const size_t steps = static_cast<size_t>(most) / lanes_.size();
+        const size_t steps = samplesOf(most, lanes_.size());
+        std::vector<Evaluation<Value>> proposals;
         for (size_t step = 0; step < steps; ++step) {
             const auto due = [&](double count) {
                 const auto before = [&](size_t s) { return std::floor(double(s) * count / most); };
                 return before(step + 1) > before(step);
             };
-            const bool visibility = due(mix.visibility);
-            bool fresh = false;
-            if (due(mix.uniform)) fresh = uniformStep(model, index, mix, early, visibility, nextEarly);
-            if (visibility) visibilityStep(model, index, mix, fresh);
-            if (due(mix.contribution)) contributionStep(model, index, mix);
+            const bool uniform = due(mix.uniform), visibility = due(mix.visibility),
+                       contribution = due(mix.contribution);
+            proposals.clear();
+            for (size_t i = begin; i < end; ++i) {
+                Lane& lane = lanes_[i];
+                lane.fresh = uniform && uniformStep(model, i, mix, visibility);
+                if (visibility && !lane.fresh)
+                    proposals.push_back(propose(lane.visibility, lane.forVisibility, lane.rng));
+                if (contribution)
+                    proposals.push_back(propose(lane.contribution, lane.forContribution, lane.rng));
+            }
+            model.evaluate(std::span<const Evaluation<Value>>(proposals));
+            for (size_t i = begin; i < end; ++i) {
+                if (visibility) visibilityStep(model, i, mix);
+                if (contribution) contributionStep(model, i, mix);
+            }
         }
-        payOut(model, index, lane.visibility.state());
-        payOut(model, index, lane.contribution.state());
+        for (size_t i = begin; i < end; ++i) {
+            payOut(model, i, lanes_[i].visibility.state());
+            payOut(model, i, lanes_[i].contribution.state());
+        }
     }
 
     ReplicaSettings settings_;

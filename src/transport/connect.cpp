@@ -66,21 +66,14 @@ bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex
     return true;
 }
 
-Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
-                   const Vec2f& u) {
-    PendingConnection pending;
-    if (!prepareLight(scene, strategies, eye, uLight, u, pending)) return Rgb(0.0f);
-    return scene.isFree(pending.shadow) ? pending.value : Rgb(0.0f);
-}
-
-Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
-                    bool weighted, Vec2f& raster) {
+bool prepareCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
+                   bool weighted, Vec2f& raster, PendingConnection& pending) {
     const Camera& camera = scene.camera();
     const std::optional<EndpointConnection> c = camera.connect(light.si.p, uLens);
-    if (!c) return Rgb(0.0f);
+    if (!c) return false;
     const VertexScattering s = scatterLight(light, c->wi);
-    if (isBlack(s.value)) return Rgb(0.0f);
-    if (!scene.visible(light.si.p, light.si.ng, c->point, c->ng)) return Rgb(0.0f);
+    if (isBlack(s.value)) return false;
+    pending.shadow = scene.rayBetween(light.si.p, light.si.ng, c->point, c->ng);
     raster = c->filmPosition;
 
     double weight = 1;
@@ -90,29 +83,55 @@ Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vert
                                                       : c->pdfDirection * cosine / sqr(double(c->distance));
         weight = splatWeight(strategies, light.mis, cameraArea, s.pdfReverse);
     }
-    return light.throughput * s.value * c->value * static_cast<float>(weight);
+    pending.value = light.throughput * s.value * c->value * static_cast<float>(weight);
+    return !isBlack(pending.value);
 }
 
-Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light,
-                    const Vertex& eye) {
+bool prepareVertices(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vertex& eye,
+                     PendingConnection& pending) {
     const Vec3f d = light.si.p - eye.si.p;
     const double distanceSquared = lengthSquared(d);
-    if (!(distanceSquared > 0)) return Rgb(0.0f);
+    if (!(distanceSquared > 0)) return false;
     const Vec3f toLight = d * static_cast<float>(1.0 / std::sqrt(distanceSquared));
 
     const VertexScattering e = scatterEye(eye, toLight);
-    if (isBlack(e.value)) return Rgb(0.0f);
+    if (isBlack(e.value)) return false;
     const VertexScattering l = scatterLight(light, -toLight);
-    if (isBlack(l.value)) return Rgb(0.0f);
+    if (isBlack(l.value)) return false;
 
     const double lightArea = e.pdfForward * absDot(toLight, light.si.ng) / distanceSquared;
     const double eyeArea = l.pdfForward * absDot(toLight, eye.si.ng) / distanceSquared;
     const double weight = connectWeight(strategies, light.mis, eye.mis, lightArea, eyeArea, l.pdfReverse,
                                         e.pdfReverse, light.mergeShare, eye.mergeShare);
-    const Rgb value =
+    pending.value =
         light.throughput * l.value * eye.throughput * e.value * static_cast<float>(weight / distanceSquared);
-    if (isBlack(value) || !scene.visible(eye.si.p, eye.si.ng, light.si.p, light.si.ng)) return Rgb(0.0f);
-    return value;
+    if (isBlack(pending.value)) return false;
+    pending.shadow = scene.rayBetween(eye.si.p, eye.si.ng, light.si.p, light.si.ng);
+    return true;
+}
+
+namespace {
+Rgb valueOf(const Scene& scene, bool possible, const PendingConnection& pending) {
+    return possible && scene.isFree(pending.shadow) ? pending.value : Rgb(0.0f);
+}
+}  // namespace
+
+Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
+                   const Vec2f& u) {
+    PendingConnection pending;
+    return valueOf(scene, prepareLight(scene, strategies, eye, uLight, u, pending), pending);
+}
+
+Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
+                    bool weighted, Vec2f& raster) {
+    PendingConnection pending;
+    return valueOf(scene, prepareCamera(scene, strategies, light, uLens, weighted, raster, pending), pending);
+}
+
+Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light,
+                    const Vertex& eye) {
+    PendingConnection pending;
+    return valueOf(scene, prepareVertices(scene, strategies, light, eye, pending), pending);
 }
 
 Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,

@@ -28,11 +28,17 @@ Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Verte
                    const Vec2f& u);
 
 /// Light vertex to the camera (t = 1). The value is per pixel area at `raster`. `weighted` false: weight one
-/// (light tracing alone).
+/// (light tracing alone). False when it is zero whatever is in the way.
+bool prepareCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
+                   bool weighted, Vec2f& raster, PendingConnection& pending);
+/// The same with its visibility.
 Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
                     bool weighted, Vec2f& raster);
 
-/// Light vertex to eye vertex (s, t >= 2).
+/// Light vertex to eye vertex (s, t >= 2). False when the value is zero whatever is in the way.
+bool prepareVertices(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vertex& eye,
+                     PendingConnection& pending);
+/// The same with its visibility.
 Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vertex& eye);
 
 /// Light vertex merged with an eye vertex at distance <= radius; the value is multiplied by 1 / (pi r^2).

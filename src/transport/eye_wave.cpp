@@ -71,12 +71,16 @@ void EyeWave::arrive(std::span<const uint32_t> pixels, int depth) {
         }
         intersector.interaction(rays_, k, v.si);
         if (!(depth == 1 ? arriveFromCamera(walk, lane.edge, pixels[active_[k]], v)
-                         : metrolux::arrive(walk, lane.edge, from, lane.certain, v)))
+                         : metrolux::arrive(lane.edge, from, lane.certain, v)))
             continue;
-        v.bsdf().prefetch(v.si);  // read by scatter(), when all lanes have arrived
+        // Read when all lanes have arrived.
+        v.bsdf().prefetch(v.si);
+        if (!lane.certain) pass_.strategies.prefetchMergeShare(v.si.p);
         active_[arrived++] = active_[k];
     }
     active_.resize(arrived);
+    if (depth > 1)
+        for (const uint32_t i : active_) weighMerging(walk, lanes_[i].certain, lanes_[i].v);
 }
 
 void EyeWave::makeNumbers(int depth) {

@@ -1,4 +1,5 @@
 #pragma once
+#include "geometry/ray_batch.h"
 #include "image/film.h"
 #include "sampling/sample_stream.h"
 #include "transport/eye_pass.h"
@@ -14,6 +15,14 @@ namespace metrolux {
 struct LightWork {
     std::atomic<uint64_t> splats{0}, connections{0};  ///< tried
     std::atomic<uint64_t> merges{0};                  ///< vertices within the radius
+};
+
+/// A light subpath to evaluate, and where what it finds goes.
+struct LightJob {
+    SampleStream* stream = nullptr;
+    SplatList* splats = nullptr;          ///< cleared first
+    PhotonDensity* counted = nullptr;     ///< where the subpath's vertices are counted, if given
+    std::vector<Vec3f>* trail = nullptr;  ///< receives their positions (cleared first), if given
 };
 
 /// evaluate(u) -> splats of ALGORITHM.md section 2: everything that one light subpath contributes in an
@@ -38,22 +47,21 @@ struct LightPass {
     /// The point of the lens for connections to the camera.
     static Vec2f lensCoordinates(SampleStream& stream);
 
-    /// Appends to `splats` (cleared first). Scales: a pixel splat is the estimate of its pixel from one light
-    /// subpath; divide by the number of light subpaths to average. `counted`: where the subpath's vertices
-    /// are counted, if given; `trail`: receives their positions (cleared first).
-    void evaluate(SampleStream& stream, SplatList& splats, PhotonDensity* counted = nullptr,
-                  std::vector<Vec3f>* trail = nullptr) const;
+    /// Evaluates several subpaths side by side. Scales: a pixel splat is the estimate of its pixel from one
+    /// light subpath; divide by the number of light subpaths to average. Coherence::Alone: what a subpath
+    /// contributes is the same to the bit whichever others there are.
+    void evaluate(std::span<const LightJob> jobs, Coherence coherence) const;
 
     /// F(u) of what evaluate() found.
     double size(const SplatList& splats) const {
         return importance ? importance->size(splats) : splats.size();
     }
 
-    /// evaluate() with the eye subpath given: `partner` has the vertices to connect with, and
-    /// `connectionScale` is one over the probability of that choice. Appends to `splats` and `trail`.
-    void trace(SampleStream& stream, std::span<const Vertex> partner, float connectionScale,
-               SplatList& splats, PhotonDensity* counted = nullptr,
-               std::vector<Vec3f>* trail = nullptr) const;
+    /// Evaluates one, with the eye subpath given: `partner` has the vertices to connect with, and
+    /// `connectionScale` is one over the probability of that choice.
+    void trace(const LightJob& job, std::span<const Vertex> partner, float connectionScale) const;
+
+    WalkRules rules() const { return {scene, limits, strategies, TransportMode::Importance}; }
 };
 
 /// Order of the window's pixels along a Hilbert curve: a small step in the curve's parameter is a near pixel.

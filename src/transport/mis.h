@@ -38,7 +38,12 @@ struct Strategies {
     /// the path; here K is measured.) The eye subpath's first smooth vertex is not chance: there c = 1.
     double mergeShare(const Vec3f& p) const {
         if (!photons || !(merge > 0)) return 1;
-        return 1 / std::max(1.0, merge / hitNee * photons->at(p));
+        return 1 / std::max(1.0, merge / hitNee * double(photons->roughlyAt(p)));
+    }
+
+    /// Asks for the memory that mergeShare(p) will read.
+    void prefetchMergeShare(const Vec3f& p) const {
+        if (photons) photons->prefetch(p);
     }
 
     /// Samples of a technique of a subpath's ends for each connection: dVCM counts in these, as everywhere

@@ -90,7 +90,7 @@ void PathPair::all(SampleStream& u, SplatList& splats) const {
     const VertexGrid noGrid;
     LightPass lightPass{scene, limits, strategies, none, noGrid, film};
     lightPass.merge = false;
-    lightPass.trace(streams.light, eye, 1, splats);
+    lightPass.trace({&streams.light, &splats}, eye, 1);
     // Connections belong to the eye subpath's raster position, as hit and nee do.
     for (const SplatList::PixelSplat& connection : splats.pixels) sum += connection.value;
     splats.pixels.clear();

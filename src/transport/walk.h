@@ -70,8 +70,8 @@ bool scatter(const WalkRules& walk, const Vertex& v, float uLobe, const Vec2f& u
 
 /// The vertex before has become the one where `edge` ends: `v.si` is the hit, everything else still that of
 /// the vertex at `from`. `certain`: whether an eye subpath has met no smooth surface before, so that its next
-/// vertex is not there by chance. False when the walk ends.
-inline bool arrive(const WalkRules& walk, const WalkEdge& edge, const Vec3f& from, bool& certain, Vertex& v) {
+/// vertex is not there by chance. False when the walk ends. weighMerging() is still to be called.
+inline bool arrive(const WalkEdge& edge, const Vec3f& from, bool& certain, Vertex& v) {
     const double cosine = absDot(edge.ray.direction, v.si.ng);
     if (!(cosine > 0)) return false;
     v.distanceToPrevious = (v.si.p - from).length();
@@ -80,9 +80,13 @@ inline bool arrive(const WalkRules& walk, const WalkEdge& edge, const Vec3f& fro
     v.toPrevious = -edge.ray.direction;
     v.throughput = edge.throughput;
     certain &= edge.delta;
-    v.mergeShare = certain ? 1.0f : static_cast<float>(walk.strategies.mergeShare(v.si.p));
     ++v.depth;
     return true;
+}
+
+/// Sets v.mergeShare. By itself, because it waits for the memory of Strategies::photons.
+inline void weighMerging(const WalkRules& walk, bool certain, Vertex& v) {
+    v.mergeShare = certain ? 1.0f : static_cast<float>(walk.strategies.mergeShare(v.si.p));
 }
 
 /// The first edge of an eye subpath, from the camera through `raster`. False when no light can come that way.
@@ -98,7 +102,7 @@ inline bool startEye(const WalkRules& walk, const Vec2f& uLens, const Vec2f& ras
     return true;
 }
 
-/// As arrive(), at the first vertex.
+/// As arrive(), at the first vertex, which is certain.
 inline bool arriveFromCamera(const WalkRules& walk, const WalkEdge& first, uint32_t pixel, Vertex& v) {
     const Camera& camera = walk.scene.camera();
     const double cosine = absDot(first.ray.direction, v.si.ng);
@@ -113,6 +117,57 @@ inline bool arriveFromCamera(const WalkRules& walk, const WalkEdge& first, uint3
     v.throughput = first.throughput;
     v.mergeShare = 1;
     v.pixel = pixel;
+    v.depth = 1;
+    return true;
+}
+
+/// How a light subpath begins.
+struct LightStart {
+    Scene::LightChoice choice;
+    EndpointRay point;
+    Ray ray;
+};
+
+/// False when nothing is emitted.
+inline bool startLight(const WalkRules& walk, float uLight, const Vec2f& uPosition, const Vec2f& uDirection,
+                       LightStart& start) {
+    start.choice = walk.scene.chooseLightForEmission(uLight);
+    if (!start.choice.light) return false;
+    const std::optional<EndpointRay> point = start.choice.light->sampleRay(uPosition, uDirection);
+    if (!point || isBlack(point->weight)) return false;
+    start.point = *point;
+    const bool surface = point->ng != Vec3f(0.0f);
+    start.ray = {surface ? offsetRayOrigin(point->origin, point->ng, point->direction) : point->origin,
+                 point->direction, kInfinity};
+    return true;
+}
+
+/// As arrive(), at the first vertex.
+inline bool arriveFromLight(const WalkRules& walk, const LightStart& start, Vertex& v) {
+    const EndpointRay& point = start.point;
+    const Light& light = *start.choice.light;
+    LightEdge edge;
+    edge.kind = light.isInfinite() ? EndpointKind::Infinite
+                : light.isDelta()  ? EndpointKind::DeltaPosition
+                                   : EndpointKind::Surface;
+    edge.delta = light.isDelta();
+    edge.position = point.pdfPosition;
+    edge.direction = double(point.pdfDirection) * start.choice.probability;
+    edge.cosineLight = point.cosine;
+    edge.cosineSurface = absDot(point.direction, v.si.ng);
+    v.distanceToPrevious = (v.si.p - point.origin).length();
+    edge.distanceSquared = sqr(double(v.distanceToPrevious));
+    if (!(edge.cosineSurface > 0)) return false;
+    // Zero for a light that next-event estimation cannot reach (a collimated beam): then nee is no technique.
+    edge.connect = light.isConnectable() ? walk.scene.connectionProbability(v.si.p, &light) : 0.0;
+    if (edge.kind == EndpointKind::Surface)
+        edge.connect *= light.densities(v.si.p, point.surface).connect;
+    else if (!edge.delta)
+        edge.connect *= light.environmentDensities(v.si.p, -point.direction).connect;
+
+    v.toPrevious = -point.direction;
+    v.throughput = point.weight * (1.0f / start.choice.probability);
+    v.mis = MisState::arriveFromLight(walk.strategies, edge, edge.emissionOverConnection());
     v.depth = 1;
     return true;
 }

@@ -76,7 +76,7 @@ TEST(Intersector, BatchesGiveTheAnswersOfSingleRays) {
                 batch.rays.push_back({from, normalize(to - from)});
                 shadows.rays.push_back({from, normalize(to - from), 10 * rng.next1D()});
             }
-            for (const Coherence coherence : {Coherence::None, Coherence::High}) {
+            for (const Coherence coherence : {Coherence::Alone, Coherence::None, Coherence::High}) {
                 Intersector::resetStatistics();
                 scene.intersect(batch, coherence);
                 EXPECT_EQ(Intersector::statistics().intersectRays, count);
@@ -100,10 +100,12 @@ TEST(Intersector, BatchesGiveTheAnswersOfSingleRays) {
                     EXPECT_TRUE(hits > 100 && hits < 900) << hits;
                 }
             }
-            scene.occluded(shadows);
-            ASSERT_EQ(shadows.blocked.size(), count);
-            for (size_t i = 0; i < count; ++i)
-                EXPECT_EQ(scene.occluded(shadows.rays[i]), shadows.blocked[i] != 0);
+            for (const Coherence coherence : {Coherence::Alone, Coherence::None}) {
+                scene.occluded(shadows, coherence);
+                ASSERT_EQ(shadows.blocked.size(), count);
+                for (size_t i = 0; i < count; ++i)
+                    EXPECT_EQ(scene.occluded(shadows.rays[i]), shadows.blocked[i] != 0);
+            }
         }
 }
 

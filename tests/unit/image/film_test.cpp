@@ -9,7 +9,10 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <array>
+#include <limits>
 #include <numeric>
+#include <thread>
 
 namespace metrolux {
 namespace {
@@ -71,7 +74,7 @@ TEST(Film, KeepsFifteenOrdersOfMagnitude) {
 }
 
 TEST(Film, FaintLightIsNotLostBesideBrightLight) {
-    FixedPointImage sum(1);
+    FixedPointImage sum(1, 1);
     for (int i = 0; i < 1000; ++i) {
         ASSERT_TRUE(sum.add(0, Rgb(1e-9f), 1));
         ASSERT_TRUE(sum.add(0, Rgb(1e6f), 1));
@@ -79,6 +82,66 @@ TEST(Film, FaintLightIsNotLostBesideBrightLight) {
     }
     EXPECT_NEAR(sum.take(0)[0], 1e-6, 1e-11);
     EXPECT_EQ(sum.take(0)[0], 0);
+}
+
+TEST(FixedPointImage, ProductsAreTheSumsOfTheirPixels) {
+    // Over the borders of tiles, in all ranges and across their bounds, with negative weights and zeros.
+    constexpr size_t kWidth = 70, kHeight = 41;
+    struct Product {
+        size_t x, y;
+        std::vector<float> columns, rows;
+        Rgb value;
+        double scale;
+    };
+    CounterRng rng(11);
+    std::vector<Product> products(4000);
+    for (Product& p : products) {
+        p.x = static_cast<size_t>(rng.nextDouble() * (kWidth - 6));
+        p.y = static_cast<size_t>(rng.nextDouble() * (kHeight - 6));
+        for (auto* weights : {&p.columns, &p.rows}) {
+            weights->resize(1 + static_cast<size_t>(rng.nextDouble() * 6));
+            for (float& w : *weights) w = rng.next1D() < 0.1f ? 0.0f : rng.next1D() - 0.2f;
+        }
+        p.value = Rgb(rng.next1D(), 1e-3f * rng.next1D(), 0) * std::exp(50 * rng.next1D() - 25);
+        p.scale = 1e-3;
+    }
+    FixedPointImage sums(kWidth, kHeight), together(kWidth, kHeight), expected(kWidth, kHeight);
+    for (const Product& p : products) {
+        EXPECT_TRUE(sums.addProduct(p.x, p.y, p.columns, p.rows, p.value, p.scale));
+        for (size_t j = 0; j < p.rows.size(); ++j)
+            for (size_t i = 0; i < p.columns.size(); ++i) {
+                const double row = p.scale * p.rows[j];
+                EXPECT_TRUE(expected.add((p.y + j) * kWidth + p.x + i, p.value, row * p.columns[i]));
+            }
+    }
+    std::vector<std::jthread> threads;
+    for (size_t t = 0; t < 4; ++t)
+        threads.emplace_back([&, t] {
+            for (size_t i = t; i < products.size(); i += 4) {
+                const Product& p = products[i];
+                together.addProduct(p.x, p.y, p.columns, p.rows, p.value, p.scale);
+            }
+        });
+    threads.clear();
+    size_t lit = 0;
+    for (size_t i = 0; i < kWidth * kHeight; ++i) {
+        const auto sum = expected.take(i);
+        ASSERT_EQ(sums.take(i), sum) << i;
+        ASSERT_EQ(together.take(i), sum) << i;
+        lit += sum[0] != 0;
+    }
+    EXPECT_GT(lit, kWidth * kHeight / 2);
+}
+
+TEST(FixedPointImage, ProductsThatAreNotFiniteOrTooLargeAreToldOf) {
+    const std::array<float, 2> weights{0.5f, 0.25f};
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    for (const Rgb& bad : {Rgb(1, nan, 1), Rgb(0, 0, inf), Rgb(-inf, 0, 0), Rgb(1e20f, 0, 0)}) {
+        FixedPointImage sums(8, 8);
+        EXPECT_FALSE(sums.addProduct(1, 1, weights, weights, bad, 1));
+        EXPECT_TRUE(sums.addProduct(1, 1, weights, weights, Rgb(1), 1));
+        EXPECT_EQ(sums.take(9)[0], 0.25);
+    }
 }
 
 TEST(Film, EyeAndSplatsAddUpOverPasses) {

@@ -7,6 +7,7 @@
 
 #include <boost/math/distributions/students_t.hpp>
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
 namespace metrolux {
 namespace {
@@ -23,7 +24,11 @@ struct ToyModel {
     double invisible = 0;      ///< ... h of what is invisible
 
     void startUniform(PrimarySample&, CounterRng&, size_t, size_t) const {}
-    void evaluateUniform(SampleStream& u, ToyValue& v) const { evaluate(u, v); }
+    using Evaluations = std::span<const Evaluation<ToyValue>>;
+    void evaluateUniform(Evaluations evaluations) const { evaluate(evaluations); }
+    void evaluate(Evaluations evaluations) const {
+        for (const auto& [stream, value] : evaluations) evaluate(*stream, *value);
+    }
     void evaluate(SampleStream& u, ToyValue& v) const {
         u.seek(0);
         const Vec2f p = u.next2D();
@@ -111,6 +116,37 @@ TEST(ReplicaLanes, WeightedSumsAreTheIntegral) {
         EXPECT_LE(std::abs(mean - expected), critical * error)
             << "case " << k << ": " << mean << " +- " << error << ", expected " << expected;
         EXPECT_LT(critical * error, 0.05 * expected) << "case " << k << ": too noisy to decide";
+    }
+}
+
+TEST(ReplicaLanes, DoNotDependOnWhichAreRunTogether) {
+    // More threads make smaller groups.
+    const auto run = [](int threads, size_t samples) {
+        ReplicaSettings s;
+        s.seed = 5;
+        s.inefficiency = 3;
+        s.lanes = 24;
+        s.measuredSplit = true;
+        ReplicaLanes<ToyValue> lanes(s);
+        ToyModel model{0.3, std::vector<double>(24, 0.0)};
+        tbb::task_arena arena(threads);
+        arena.execute([&] {
+            for (uint32_t i = 0; i < 6; ++i) {
+                lanes.normalisation().update(1);
+                ReplicaMixture mix = lanes.mixture(samples, i > 0);
+                lanes.run(model, mix, i, 0);
+                lanes.endIteration(1);
+            }
+        });
+        model.sums.push_back(double(lanes.counts().swapsMade));
+        return model.sums;
+    };
+    // From a pool of visible samples, some of which are taken later, and from the states of before.
+    for (const size_t samples : {size_t{20000}, size_t{30}}) {
+        const std::vector<double> one = run(1, samples);
+        EXPECT_GT(one.back(), 0);
+        EXPECT_EQ(one, run(4, samples));
+        EXPECT_EQ(one, run(16, samples));
     }
 }
 

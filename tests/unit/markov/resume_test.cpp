@@ -110,8 +110,11 @@ TEST_P(Resume, MarkovChain) {
 struct TraceModel {
     std::vector<Trace> lanes;
     void startUniform(PrimarySample&, CounterRng&, size_t, size_t) const {}
-    void evaluateUniform(SampleStream& u, Value& v) const { metrolux::evaluate(u, v); }
-    void evaluate(SampleStream& u, Value& v) const { metrolux::evaluate(u, v); }
+    using Evaluations = std::span<const Evaluation<Value>>;
+    void evaluateUniform(Evaluations evaluations) const { evaluate(evaluations); }
+    void evaluate(Evaluations evaluations) const {
+        for (const auto& [stream, value] : evaluations) metrolux::evaluate(*stream, *value);
+    }
     void pay(size_t lane, const Value& v, double weight) { append(lanes[lane], v, weight); }
 };
 

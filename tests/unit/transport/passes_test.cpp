@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <array>
 #include <cstring>
 #include <set>
 
@@ -138,14 +140,123 @@ TEST(LightPass, IsAFunctionOfItsStream) {
     for (int i = 0; i < 300; ++i) {
         IndependentStream a(hashKey(i)), b(hashKey(i));
         b.next2D();
-        pass.evaluate(a, first);
-        pass.evaluate(b, second);  // entered elsewhere, cleared by itself
+        const LightJob one{&a, &first}, other{&b, &second};
+        pass.evaluate({&one, 1}, Coherence::None);
+        pass.evaluate({&other, 1}, Coherence::None);  // entered elsewhere, cleared by itself
         ASSERT_EQ(first.pixels.size(), second.pixels.size());
         ASSERT_EQ(first.film.size(), second.film.size());
         ASSERT_EQ(first.size(), second.size());
         visible += !first.empty();
     }
     EXPECT_GT(visible, 30);
+}
+
+/// What a light subpath contributes, by its definition: walked alone, merged with every eye vertex in turn.
+class ByDefinition final : public SubpathVisitor {
+  public:
+    ByDefinition(const LightPass& pass, SampleStream& stream) : pass_(pass) {
+        uLens_ = LightPass::lensCoordinates(stream);
+        stream.seek(0);
+        stream.skip(LightPass::kEyeSubpathCoordinate);
+        const double u = stream.next1D(), share = pass.strategies.connect;
+        const double n = double(pass.eyes.subpathCount());
+        if (u < share) partner_ = pass.eyes.subpath(static_cast<size_t>(u / share * n));
+        scale_ = static_cast<float>(n / share);
+        traceLightSubpath(pass.scene, stream, pass.limits, pass.strategies, *this);
+    }
+    bool surface(const Vertex& v) override {
+        const int limit = pass_.limits.maxDepth;
+        if (!v.bsdf().hasSmoothLobe()) return v.depth + 1 < limit;
+        Vec2f raster;
+        const Rgb toCamera = connectToCamera(pass_.scene, pass_.strategies, v, uLens_, true, raster);
+        if (v.depth < limit && !isBlack(toCamera)) splats.film.push_back({raster, toCamera});
+        for (const Vertex& eye : partner_)
+            if (v.depth + eye.depth + 1 <= limit)
+                add(eye.pixel, connectVertices(pass_.scene, pass_.strategies, v, eye) * scale_);
+        const float r = pass_.grid.radius();
+        for (const Vertex& eye : pass_.eyes.all())
+            if ((eye.si.p - v.si.p).length2() <= r * r && v.depth + eye.depth <= limit)
+                add(eye.pixel, mergeVertices(pass_.strategies, v, eye, 1.0 / (double(kPi) * r * r)));
+        trail.push_back(v.si.p);
+        return v.depth + 1 < limit;
+    }
+    SplatList splats;
+    std::vector<Vec3f> trail;
+
+  private:
+    void add(uint32_t pixel, const Rgb& value) {
+        if (!isBlack(value)) splats.pixels.push_back({pixel, value});
+    }
+    const LightPass& pass_;
+    Vec2f uLens_;
+    std::span<const Vertex> partner_;
+    float scale_ = 1;
+};
+
+TEST(LightPass, SubpathsSideBySideAreThoseByDefinition) {
+    const std::shared_ptr<Scene> scene = glassScene();
+    EyeResult r;
+    runEyePass(*scene, 1, r);
+    VertexGrid grid;
+    grid.build(r.eyes.all(), 0.25f);
+    Film film(scene->camera().window(), gaussian());
+    const PathLimits limits = scene->parts().limits;
+    PhotonDensity photons(0.4), counted(0.4), expectedCounts(0.4);
+    for (const Vertex& v : r.eyes.all()) photons.count(v.si.p);
+    photons.endIteration(1000);
+    Strategies strategies = Strategies::bidirectional(1, 0.1, &photons);
+    strategies.connect = 0.5;
+    const LightPass pass{*scene, limits, strategies, r.eyes, grid, film};
+
+    constexpr size_t kCount = 400;
+    std::vector<IndependentStream> streams;
+    std::vector<SplatList> splats(kCount), alone(kCount);
+    std::vector<std::vector<Vec3f>> trails(kCount);
+    std::vector<LightJob> jobs;
+    streams.reserve(kCount);
+    for (size_t i = 0; i < kCount; ++i) {
+        streams.emplace_back(hashKey(i));
+        splats[i].film.push_back({});  // to be cleared
+        jobs.push_back({&streams[i], &splats[i], &counted, &trails[i]});
+    }
+    for (const Coherence coherence : {Coherence::Alone, Coherence::None}) {
+        pass.evaluate(jobs, coherence);
+        size_t pixels = 0, onFilm = 0;
+        for (size_t i = 0; i < kCount; ++i) {
+            IndependentStream stream(hashKey(i));
+            ByDefinition expected(pass, stream);
+            ASSERT_EQ(trails[i], expected.trail);
+            if (coherence == Coherence::Alone)
+                for (const Vec3f& p : expected.trail) expectedCounts.count(p);
+            ASSERT_EQ(splats[i].film.size(), expected.splats.film.size()) << i;
+            for (size_t k = 0; k < splats[i].film.size(); ++k) {
+                ASSERT_EQ(splats[i].film[k].position, expected.splats.film[k].position);
+                ASSERT_EQ(splats[i].film[k].value, expected.splats.film[k].value);
+            }
+            // In which order a vertex merges and connects is the pass's own affair.
+            const auto sorted = [](const SplatList& list) {
+                std::vector<std::array<float, 4>> result;
+                for (const auto& s : list.pixels)
+                    result.push_back({static_cast<float>(s.pixel), s.value.x, s.value.y, s.value.z});
+                std::sort(result.begin(), result.end());
+                return result;
+            };
+            ASSERT_EQ(sorted(splats[i]), sorted(expected.splats)) << i;
+            pixels += splats[i].pixels.size();
+            onFilm += splats[i].film.size();
+            // One by one: the order too.
+            const LightJob one{&streams[i], &alone[i]};
+            pass.evaluate({&one, 1}, Coherence::Alone);
+            ASSERT_EQ(alone[i].size(), splats[i].size());
+        }
+        EXPECT_GT(pixels, kCount);
+        EXPECT_GT(onFilm, kCount / 3);
+        if (coherence == Coherence::Alone) {
+            counted.endIteration(kCount);
+            expectedCounts.endIteration(kCount);
+            for (const Vertex& v : r.eyes.all()) ASSERT_EQ(counted.at(v.si.p), expectedCounts.at(v.si.p));
+        }
+    }
 }
 
 TEST(HilbertOrder, VisitsEveryPixelOnce) {

@@ -48,12 +48,37 @@ TEST(PhotonDensity, CountsSeveralAtOnce) {
     EXPECT_EQ(several.at(p), one.at(p));
 }
 
+TEST(PhotonDensity, IsRoughlyWhatItIs) {
+    // From one photon of a long rendering to several for each light subpath.
+    const Vec3f p(0.3f, 0.2f, 0.1f);
+    for (double subpaths = 0.2; subpaths < 0x1p28; subpaths *= 1.37)
+        for (const uint32_t photons : {1u, 3u, 100u}) {
+            PhotonDensity d(0.1);
+            d.count(d.locate(p), photons);
+            d.endIteration(subpaths * photons);
+            ASSERT_GT(d.at(p), 0);
+            ASSERT_NEAR(d.roughlyAt(p) / d.at(p), 1, 1.0 / 16 + 1e-6) << photons << " of " << subpaths;
+            ASSERT_EQ(d.roughlyAt({7, 7, 7}), 0);
+        }
+    // What is rarer counts as nothing, what is more as the most that there is.
+    PhotonDensity rare(0.1), dense(0.1);
+    rare.count(p);
+    rare.endIteration(0x1p29);
+    EXPECT_GT(rare.at(p), 0);
+    EXPECT_EQ(rare.roughlyAt(p), 0);
+    dense.count(p, 1000);
+    dense.endIteration(1);
+    EXPECT_LT(dense.roughlyAt(p), dense.at(p));
+    EXPECT_GT(dense.roughlyAt(p) * 0.1 * 0.1, 8);
+}
+
 TEST(PhotonDensity, LimitsWhatMergesCountFor) {
     PhotonDensity d(0.1);
     countUniform(d, 200000, false);
     d.endIteration(200000);
     const Vec3f lit(0.55f, 0.55f, 0.3f), dark(-3, 0, 0);
-    const double density = d.at(lit);
+    const double density = d.roughlyAt(lit);
+    EXPECT_NEAR(density / d.at(lit), 1, 1.0 / 16);
     Strategies n = Strategies::bidirectional(2, 10, &d);
     EXPECT_NEAR(n.mergeShare(lit), 1 / (20 * density), 1e-12);  // K = lambda eta * density
     EXPECT_EQ(n.mergeShare(dark), 1);

@@ -1,3 +1,4 @@
+#include "base/huge_pages.h"
 #include "base/warp.h"
 #include "geometry/affine.h"
 #include "geometry/shape.h"
@@ -89,6 +90,15 @@ void TriangleMesh::finalize() {
     // Embree reads 16 bytes at the last element of the buffers that it shares with the mesh.
     positions.reserve(vertexCount + 2);
     indices.reserve(indices.size() + 4);
+    // Each hit reads them somewhere else.
+    const auto preferHuge = [](const auto& array) {
+        preferHugePages(array.data(), array.size() * sizeof(array[0]));
+    };
+    preferHuge(positions);
+    preferHuge(normals);
+    preferHuge(uvs);
+    preferHuge(indices);
+    preferHuge(faces_);
 }
 
 void TriangleMesh::computeVertexNormals() {

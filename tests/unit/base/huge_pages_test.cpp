@@ -22,5 +22,17 @@ TEST(HugePageAllocator, ArraysOfAnySizeBeginAtACacheLineAndHoldWhatIsWritten) {
     }
 }
 
+TEST(PreferHugePages, ArraysStayWhatAndWhereTheyAre) {
+    for (const size_t n : {size_t{0}, size_t{1000}, size_t{1} << 19, size_t{3000017}}) {
+        std::vector<uint32_t> v(n), expected(n);
+        std::iota(v.begin(), v.end(), 7u);
+        std::iota(expected.begin(), expected.end(), 7u);
+        const uint32_t* const place = v.data();
+        preferHugePages(v.data(), n * sizeof(uint32_t));
+        EXPECT_EQ(v.data(), place);
+        EXPECT_EQ(v, expected);
+    }
+}
+
 }  // namespace
 }  // namespace metrolux

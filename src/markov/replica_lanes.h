@@ -199,7 +199,7 @@ class ReplicaLanes {
     /// Uniform samples of a lane that are taken together, when the pool is used up.
     static constexpr size_t kUniformBatch = 64;
     /// More groups than threads, because they are never equally fast.
-    static constexpr size_t kGroupsPerThread = 2, kLargestGroup = 16;
+    static constexpr size_t kGroupsPerThread = 4, kLargestGroup = 8;
 
     struct Lane {
         Lane(uint64_t seed, int index, MutationKernel::Kind kind)

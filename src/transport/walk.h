@@ -5,7 +5,8 @@
 namespace metrolux {
 
 /// The steps of a random walk, which one subpath takes alone (subpath.h) and many take side by side
-/// (eye_wave.h). The only home of throughput, roulette, the adjoint correction and the MIS recursion.
+/// (eye_wave.h, light_wave.h). The only home of throughput, roulette, the adjoint correction and the MIS
+/// recursion.
 
 /// The edge of a subpath that is to be traced next.
 struct WalkEdge {

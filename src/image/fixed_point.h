@@ -37,11 +37,8 @@ class FixedPointImage {
 
     /// Adds value * scale. False, and nothing is added, when a component is not finite or exceeds kLargest.
     bool add(size_t pixel, const Rgb& value, double scale) {
-        const std::array<double, 3> terms{value.x * scale, value.y * scale, value.z * scale};
-        if (!isInRange(terms)) return false;
         const Hold hold(tileAt(pixel % width_, pixel / width_));
-        addTerms(pixel, terms);
-        return true;
+        return addHeld(pixel, value, scale);
     }
 
     /// Adds value * scale * rows[j] * columns[i] to each pixel (x + i, y + j), at most kMostColumns wide.
@@ -138,26 +135,20 @@ class FixedPointImage {
         return largest;
     }
 
-    /// A NaN makes a comparison false.
-    static bool isInRange(const std::array<double, 3>& terms) {
-        return std::abs(terms[0]) <= kLargest && std::abs(terms[1]) <= kLargest &&
-               std::abs(terms[2]) <= kLargest;
-    }
-
+    /// add() of who holds the tile.
     bool addHeld(size_t pixel, const Rgb& value, double scale) {
         const std::array<double, 3> terms{value.x * scale, value.y * scale, value.z * scale};
-        if (!isInRange(terms)) return false;
-        addTerms(pixel, terms);
-        return true;
-    }
-
-    void addTerms(size_t pixel, const std::array<double, 3>& terms) {
+        // A NaN makes a comparison false.
+        if (!(std::abs(terms[0]) <= kLargest && std::abs(terms[1]) <= kLargest &&
+              std::abs(terms[2]) <= kLargest))
+            return false;
         for (size_t c = 0; c < kChannels; ++c) {
             const double magnitude = std::abs(terms[c]);
             const size_t range =
                 (magnitude >= kUpperBound[0] ? 1 : 0) + (magnitude >= kUpperBound[1] ? 1 : 0);
             sums_[(range * pixels_ + pixel) * kChannels + c] += rounded(terms[c] * kUnitsPerOne[range]);
         }
+        return true;
     }
 
     /// The same for terms below the highest range that lie side by side: without branches, so that compilers

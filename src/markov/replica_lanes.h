@@ -60,11 +60,12 @@ struct Evaluation {
 /// iterations. `Value` has `double size` (F), `bool visible() const`, and may have `double squares`, the
 /// noise that it brings, for the measured split (F^2 without). A `Model` joins them with transport:
 ///
-///     void startUniform(PrimarySample& u, CounterRng&, size_t lane, size_t step)  // coordinates to begin
-///     with void evaluateUniform(std::span<const Evaluation<Value>>) void evaluate(std::span<const
-///     Evaluation<Value>>) void pay(size_t lane, Value&, double weight)  // adds what the value contributes,
-///     with its weight
+///     void startUniform(PrimarySample& u, CounterRng&, size_t lane, size_t step)
+///     void evaluateUniform(std::span<const Evaluation<Value>>)
+///     void evaluate(std::span<const Evaluation<Value>>)
+///     void pay(size_t lane, Value&, double weight)
 ///
+/// startUniform() appends coordinates to begin with; pay() adds what the value contributes, with its weight.
 /// Its calls come from many threads, those of a lane from one. evaluateUniform() gets samples of one lane,
 /// evaluate() proposals of as many lanes as are run together, which depends on the number of threads: what it
 /// makes of a stream must not depend on the others.
@@ -289,7 +290,8 @@ class ReplicaLanes {
         state.weight = 0;
     }
 
-    static size_t samplesOf(double count, size_t lanes) { return static_cast<size_t>(count) / lanes; }
+    /// A lane's part of a replica's samples.
+    size_t samplesOfLane(double count) const { return static_cast<size_t>(count) / lanes_.size(); }
 
     /// Takes the lane's uniform samples up to number `end`. Invisible ones are done with, visible ones are
     /// kept until the chains come to them.
@@ -328,7 +330,7 @@ class ReplicaLanes {
     template <class Model>
     size_t takePool(Model& model, const ReplicaMixture& mix) {
         size_t taken = 0, visible = 0;
-        const size_t samples = samplesOf(mix.uniform, lanes_.size()),
+        const size_t samples = samplesOfLane(mix.uniform),
                      round = std::max<size_t>(1, kPoolSize / lanes_.size());
         while (taken < samples && visible < kPoolSize) {
             const size_t end = std::min(samples, taken + round);
@@ -417,7 +419,7 @@ class ReplicaLanes {
         Lane& lane = lanes_[index];
         if (lane.passed == lane.taken) {
             lane.discardAhead();
-            const size_t all = samplesOf(mix.uniform, lanes_.size());
+            const size_t all = samplesOfLane(mix.uniform);
             takeUniform(model, index, std::min(all, lane.taken + kUniformBatch), mix);
         }
         const size_t sample = lane.passed++;
@@ -481,7 +483,7 @@ class ReplicaLanes {
     template <class Model>
     void runLanes(Model& model, size_t begin, size_t end, const ReplicaMixture& mix) {
         const double most = std::max({mix.uniform, mix.visibility, mix.contribution});
-        const size_t steps = samplesOf(most, lanes_.size());
+        const size_t steps = samplesOfLane(most);
         std::vector<Evaluation<Value>> proposals;
         for (size_t step = 0; step < steps; ++step) {
             const auto due = [&](double count) {

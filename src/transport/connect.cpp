@@ -1,15 +1,8 @@
 #include "transport/connect.h"
 
+#include "transport/walk.h"
+
 namespace metrolux {
-
-namespace {
-
-EndpointKind kindOf(const Light& light) {
-    if (light.isInfinite()) return EndpointKind::Infinite;
-    return light.isDelta() ? EndpointKind::DeltaPosition : EndpointKind::Surface;
-}
-
-}  // namespace
 
 Rgb hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v) {
     const Light& light = *v.si.shape->emitter;

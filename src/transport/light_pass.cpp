@@ -49,7 +49,7 @@ void LightPass::evaluate(std::span<const LightJob> jobs, Coherence coherence) co
 }
 
 void LightPass::trace(const LightJob& job, std::span<const Vertex> partner, float connectionScale) const {
-    waveOfThisThread().run(*this, job, partner, connectionScale, Coherence::Alone);
+    waveOfThisThread().run(*this, job, partner, connectionScale);
 }
 
 std::vector<uint32_t> hilbertOrder(int width, int height) {

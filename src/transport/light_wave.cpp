@@ -20,8 +20,8 @@ void LightWave::run(const LightPass& pass, std::span<const LightJob> jobs, Coher
 }
 
 void LightWave::run(const LightPass& pass, const LightJob& job, std::span<const Vertex> partner,
-                    float connectionScale, Coherence coherence) {
-    begin(pass, {&job, 1}, coherence);
+                    float connectionScale) {
+    begin(pass, {&job, 1}, Coherence::Alone);
     lanes_[0].partner = partner;
     lanes_[0].connectionScale = connectionScale;
     trace();
@@ -77,10 +77,7 @@ void LightWave::start() {
         Lane& lane = lanes_[i];
         SampleStream& stream = *lane.job.stream;
         lane.uLens = LightPass::lensCoordinates(stream);
-        stream.seek(0);
-        const float uLight = stream.next1D();
-        const Vec2f uPosition = stream.next2D(), uDirection = stream.next2D();
-        if (!startLight(walk, uLight, uPosition, uDirection, starts_[i])) continue;
+        if (!startLight(walk, stream, starts_[i])) continue;
         active_.push_back(static_cast<uint32_t>(i));
         rays_.rays.push_back(starts_[i].ray);
     }
@@ -217,13 +214,7 @@ void LightWave::scatter(int depth) {
     if (depth + 1 < limit_ && depth < walk.depthLimit())
         for (const uint32_t i : active_) {
             Lane& lane = lanes_[i];
-            SampleStream& stream = *lane.job.stream;
-            stream.seek(depth);
-            const float uLobe = stream.next1D();
-            const Vec2f u = stream.next2D();
-            if (!metrolux::scatter(
-                    walk, lane.v, uLobe, u, [&] { return stream.next1D(); }, lane.edge))
-                continue;
+            if (!metrolux::scatter(walk, *lane.job.stream, lane.v, lane.edge)) continue;
             active_[left++] = i;
             rays_.rays.push_back(lane.edge.ray);
         }

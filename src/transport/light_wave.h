@@ -16,7 +16,7 @@ class LightWave {
     void run(const LightPass& pass, std::span<const LightJob> jobs, Coherence coherence);
     /// One subpath, whose eye subpath is given (LightPass::trace).
     void run(const LightPass& pass, const LightJob& job, std::span<const Vertex> partner,
-             float connectionScale, Coherence coherence);
+             float connectionScale);
 
   private:
     struct Lane {

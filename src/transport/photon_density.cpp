@@ -46,24 +46,28 @@ PhotonDensity::Bucket PhotonDensity::bucketOf(const Vec3f& p) const {
     return cellblocks::bucket(kBuckets / cellblocks::kCells - 1, index(p.x), index(p.y), index(p.z));
 }
 
-void PhotonDensity::endIteration(double lightSubpaths) {
-    lightSubpaths_ += lightSubpaths;
+template <class Body>
+void PhotonDensity::forBuckets(Body&& body) {
     constexpr size_t kChunk = 16384;
     static_assert(kBuckets % kChunk == 0);
     parallelFor(kBuckets / kChunk, [&](size_t chunk) {
-        for (size_t i = chunk * kChunk; i < (chunk + 1) * kChunk; ++i)
-            sums_[i] += counts_[i].exchange(0, std::memory_order_relaxed);
+        for (size_t i = chunk * kChunk; i < (chunk + 1) * kChunk; ++i) body(i);
     });
+}
+
+void PhotonDensity::endIteration(double lightSubpaths) {
+    lightSubpaths_ += lightSubpaths;
+    forBuckets([&](size_t i) { sums_[i] += counts_[i].exchange(0, std::memory_order_relaxed); });
     updateDensities();
 }
 
 void PhotonDensity::updateDensities() {
     const double perSubpath = lightSubpaths_ > 0 ? 1 / lightSubpaths_ : 0;
-    for (size_t i = 0; i < kBuckets; ++i) {
+    forBuckets([&](size_t i) {
         const double expected = sums_[i] * perSubpath;
         densities_[i] = static_cast<float>(expected / area_);
         codes_[i] = codeOf(static_cast<float>(expected));
-    }
+    });
     for (uint32_t code = 0; code < levels_.size(); ++code)
         levels_[code] = static_cast<float>(levelOf(code) / area_);
 }

@@ -57,6 +57,9 @@ class PhotonDensity {
     void used(std::vector<uint32_t>& buckets, std::vector<double>& sums) const;
     void setUsed(const std::vector<uint32_t>& buckets, const std::vector<double>& sums);
     void updateDensities();
+    /// Calls body(bucket) for all, from many threads.
+    template <class Body>
+    void forBuckets(Body&& body);
 
     static constexpr size_t kBuckets = size_t{1} << 18;
     Bucket bucketOf(const Vec3f& p) const;

@@ -10,14 +10,8 @@ void continueWalk(const WalkRules& walk, SampleStream& stream, SubpathVisitor& v
     bool certain = walk.mode == TransportMode::Radiance;
     weighMerging(walk, certain, v);
     while (visitor.surface(v) && v.depth < limit) {
-        stream.seek(v.depth);
-        const float uLobe = stream.next1D();
-        const Vec2f u = stream.next2D();
         WalkEdge edge;
-        if (!scatter(
-                walk, v, uLobe, u, [&] { return stream.next1D(); }, edge) ||
-            !visitor.scattered(edge.delta))
-            return;
+        if (!scatter(walk, stream, v, edge) || !visitor.scattered(edge.delta)) return;
         const Vec3f from = v.si.p;
         if (!walk.scene.intersect(edge.ray, v.si)) {
             visitor.escaped(from, edge, v.depth + 1);
@@ -49,12 +43,9 @@ void traceEyeSubpath(const Scene& scene, SampleStream& stream, const PathLimits&
 
 void traceLightSubpath(const Scene& scene, SampleStream& stream, const PathLimits& limits,
                        const Strategies& strategies, SubpathVisitor& visitor) {
-    stream.seek(0);
-    const float uLight = stream.next1D();
-    const Vec2f uPosition = stream.next2D(), uDirection = stream.next2D();
     const WalkRules walk{scene, limits, strategies, TransportMode::Importance};
     LightStart start;
-    if (!startLight(walk, uLight, uPosition, uDirection, start)) return;
+    if (!startLight(walk, stream, start)) return;
     Vertex v;
     if (scene.intersect(start.ray, v.si) && arriveFromLight(walk, start, v))
         continueWalk(walk, stream, visitor, v);

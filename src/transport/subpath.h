@@ -30,7 +30,7 @@ void traceEyeSubpath(const Scene& scene, SampleStream& stream, const PathLimits&
                      SubpathVisitor& visitor);
 
 /// Random walk from a light. Block 0 of the stream: light choice, point (2), direction (2); the remaining
-/// coordinates are the caller's (LightPathCoordinates).
+/// coordinates are the caller's (LightPass).
 void traceLightSubpath(const Scene& scene, SampleStream& stream, const PathLimits& limits,
                        const Strategies& strategies, SubpathVisitor& visitor);
 

@@ -1,4 +1,5 @@
 #pragma once
+#include "sampling/sample_stream.h"
 #include "scene/scene.h"
 #include "transport/vertex.h"
 
@@ -69,6 +70,15 @@ bool scatter(const WalkRules& walk, const Vertex& v, float uLobe, const Vec2f& u
     return true;
 }
 
+/// The same with the numbers of the vertex's block of `stream`: lobe, direction (2), roulette.
+inline bool scatter(const WalkRules& walk, SampleStream& stream, const Vertex& v, WalkEdge& next) {
+    stream.seek(v.depth);
+    const float uLobe = stream.next1D();
+    const Vec2f u = stream.next2D();
+    return scatter(
+        walk, v, uLobe, u, [&] { return stream.next1D(); }, next);
+}
+
 /// The vertex before has become the one where `edge` ends: `v.si` is the hit, everything else still that of
 /// the vertex at `from`. `certain`: whether an eye subpath has met no smooth surface before, so that its next
 /// vertex is not there by chance. False when the walk ends. weighMerging() is still to be called.
@@ -129,9 +139,16 @@ struct LightStart {
     Ray ray;
 };
 
-/// False when nothing is emitted.
-inline bool startLight(const WalkRules& walk, float uLight, const Vec2f& uPosition, const Vec2f& uDirection,
-                       LightStart& start) {
+inline EndpointKind kindOf(const Light& light) {
+    if (light.isInfinite()) return EndpointKind::Infinite;
+    return light.isDelta() ? EndpointKind::DeltaPosition : EndpointKind::Surface;
+}
+
+/// Reads block 0 of the stream: light choice, point (2), direction (2). False when nothing is emitted.
+inline bool startLight(const WalkRules& walk, SampleStream& stream, LightStart& start) {
+    stream.seek(0);
+    float uLight = stream.next1D();
+    const Vec2f uPosition = stream.next2D(), uDirection = stream.next2D();
     start.choice = walk.scene.chooseLightForEmission(uLight);
     if (!start.choice.light) return false;
     const std::optional<EndpointRay> point = start.choice.light->sampleRay(uPosition, uDirection);
@@ -148,9 +165,7 @@ inline bool arriveFromLight(const WalkRules& walk, const LightStart& start, Vert
     const EndpointRay& point = start.point;
     const Light& light = *start.choice.light;
     LightEdge edge;
-    edge.kind = light.isInfinite() ? EndpointKind::Infinite
-                : light.isDelta()  ? EndpointKind::DeltaPosition
-                                   : EndpointKind::Surface;
+    edge.kind = kindOf(light);
     edge.delta = light.isDelta();
     edge.position = point.pdfPosition;
     edge.direction = double(point.pdfDirection) * start.choice.probability;

@@ -444,12 +444,15 @@ void Intersector::interaction(const RayBatch& batch, size_t i, SurfaceInteractio
     impl_->interaction(batch.hits[i], impl_->hasAnalytic ? batch.localRays[i] : batch.rays[i], si);
 }
 
-void Intersector::prefetchFace(const RayHit& hit) const {
-    if (const TriangleMesh* mesh = impl_->meshOf(hit)) mesh->prefetchFace(hit.primitive);
-}
-
-void Intersector::prefetchVertices(const RayHit& hit) const {
-    if (const TriangleMesh* mesh = impl_->meshOf(hit)) mesh->prefetchVertices(hit.primitive);
+void Intersector::prefetchAfter(const RayBatch& batch, size_t i) const {
+    // Two steps, as what a face leads to is known when it is there.
+    constexpr size_t kAhead = 8;
+    if (const size_t k = i + 2 * kAhead; k < batch.size())
+        if (const TriangleMesh* mesh = impl_->meshOf(batch.hits[k]))
+            mesh->prefetchFace(batch.hits[k].primitive);
+    if (const size_t k = i + kAhead; k < batch.size())
+        if (const TriangleMesh* mesh = impl_->meshOf(batch.hits[k]))
+            mesh->prefetchVertices(batch.hits[k].primitive);
 }
 
 bool Intersector::occluded(const Ray& ray) const {

@@ -33,9 +33,8 @@ class Intersector {
     void intersect(RayBatch& batch, Coherence coherence = Coherence::None) const;
     /// The point of the i-th ray's hit, which was found.
     void interaction(const RayBatch& batch, size_t i, SurfaceInteraction& si) const;
-    /// Asks for the memory that interaction() will read, in two steps (TriangleMesh::prefetchFace).
-    void prefetchFace(const RayHit& hit) const;
-    void prefetchVertices(const RayHit& hit) const;
+    /// For a loop over the hits: asks for the memory that interaction() will read for those after the i-th.
+    void prefetchAfter(const RayBatch& batch, size_t i) const;
     /// Fills `blocked`.
     void occluded(OcclusionBatch& batch, Coherence coherence = Coherence::None) const;
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "base/direction_cone.h"
+#include "base/huge_pages.h"
 #include "base/math.h"
 #include "base/prefetch.h"
 #include "base/transform.h"
@@ -142,7 +143,7 @@ class TriangleMesh final : public Shape {
         Vec3f normal;   ///< ng
         Vec3f tangent;  ///< along dp/du, or any
     };
-    std::vector<Face> faces_;
+    std::vector<Face, HugePageAllocator<Face>> faces_;
 };
 
 /// Sphere, disk and cylinder: intersected by Embree's user-geometry callbacks.

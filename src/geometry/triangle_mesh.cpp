@@ -1,4 +1,3 @@
-#include "base/huge_pages.h"
 #include "base/warp.h"
 #include "geometry/affine.h"
 #include "geometry/shape.h"
@@ -98,7 +97,6 @@ void TriangleMesh::finalize() {
     preferHuge(normals);
     preferHuge(uvs);
     preferHuge(indices);
-    preferHuge(faces_);
 }
 
 void TriangleMesh::computeVertexNormals() {

@@ -54,14 +54,9 @@ void EyeWave::start(std::span<const uint32_t> pixels) {
 void EyeWave::arrive(std::span<const uint32_t> pixels, int depth) {
     const WalkRules walk = pass_.rules();
     const Intersector& intersector = pass_.scene.intersector();
-    constexpr size_t kAhead = 8;
-    const auto ahead = [&](size_t k, auto step) {
-        if (k < rays_.size()) (intersector.*step)(rays_.hits[k]);
-    };
     size_t arrived = 0;
     for (size_t k = 0; k < active_.size(); ++k) {
-        ahead(k + 2 * kAhead, &Intersector::prefetchFace);
-        ahead(k + kAhead, &Intersector::prefetchVertices);
+        intersector.prefetchAfter(rays_, k);
         Lane& lane = lanes_[active_[k]];
         Vertex& v = lane.v;
         const Vec3f from = depth == 1 ? lane.edge.ray.origin : v.si.p;

@@ -86,14 +86,10 @@ void LightWave::start() {
 void LightWave::arrive(int depth) {
     const WalkRules walk = pass_->rules();
     const Intersector& intersector = pass_->scene.intersector();
-    const auto ahead = [&](size_t k, auto step) {
-        if (k < rays_.size()) (intersector.*step)(rays_.hits[k]);
-    };
     const bool merging = pass_->merge && !pass_->grid.empty();
     size_t arrived = 0;
     for (size_t k = 0; k < active_.size(); ++k) {
-        ahead(k + 2 * kAhead, &Intersector::prefetchFace);
-        ahead(k + kAhead, &Intersector::prefetchVertices);
+        intersector.prefetchAfter(rays_, k);
         const uint32_t i = active_[k];
         Lane& lane = lanes_[i];
         Vertex& v = lane.v;

@@ -37,9 +37,31 @@ void append(std::string& bytes, const T& value) {
     bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-/// A hilly square of at least `triangles` triangles, in binary PLY.
+constexpr uint32_t kHillCells = 24;
+
+/// Height of a vertex of n x n squares over kHillCells x kHillCells cells of two flat triangles each.
+double hillHeight(uint32_t x, uint32_t z, uint32_t n) {
+    const auto corner = [](uint32_t i, uint32_t k) {
+        const double u = 8.0 * i / kHillCells - 4, v = 8.0 * k / kHillCells - 4;
+        return 0.4 * std::sin(3 * u) * std::cos(2 * v) + 0.1 * std::sin(11 * u * v);
+    };
+    const uint32_t parts = n / kHillCells;
+    const uint32_t i = std::min(x / parts, kHillCells - 1), k = std::min(z / parts, kHillCells - 1);
+    const double fx = double(x) / parts - i, fz = double(z) / parts - k;
+    const double x1 = corner(i + 1, k), z1 = corner(i, k + 1);
+    if (fx + fz <= 1) {
+        const double origin = corner(i, k);
+        return origin + fx * (x1 - origin) + fz * (z1 - origin);
+    }
+    const double end = corner(i + 1, k + 1);
+    return end + (1 - fx) * (z1 - end) + (1 - fz) * (x1 - end);
+}
+
+/// A hilly square of at least `triangles` triangles, in binary PLY. The surface is the same for any number:
+/// light takes the same paths, and what changes is the number alone.
 void writeHills(const fs::path& file, uint64_t triangles) {
-    const auto n = static_cast<uint32_t>(std::ceil(std::sqrt(double(triangles) / 2)));
+    const uint32_t n =
+        kHillCells * static_cast<uint32_t>(std::ceil(std::sqrt(double(triangles) / 2) / kHillCells));
     std::string bytes = fmt::format(
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
         "property float z\nelement face {}\nproperty list uchar int vertex_indices\nend_header\n",
@@ -49,8 +71,7 @@ void writeHills(const fs::path& file, uint64_t triangles) {
         for (uint32_t x = 0; x <= n; ++x) {
             const double u = 8.0 * x / n - 4, v = 8.0 * z / n - 4;
             append(bytes, static_cast<float>(u));
-            append(bytes,
-                   static_cast<float>(0.4 * std::sin(3 * u) * std::cos(2 * v) + 0.1 * std::sin(11 * u * v)));
+            append(bytes, static_cast<float>(hillHeight(x, z, n)));
             append(bytes, static_cast<float>(v));
         }
     for (uint32_t z = 0; z < n; ++z)

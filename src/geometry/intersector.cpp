@@ -231,6 +231,14 @@ struct Intersector::Impl {
         const PlacedGroup* placed = placementOf(hit);
         return (placed ? *placed->group : top).targets[hit.geometry].mesh;
     }
+    /// Ask for the memory that interaction() will read. Two steps, as what a face leads to is known when it
+    /// is there.
+    void prefetchFace(const RayHit& hit) const {
+        if (const TriangleMesh* mesh = meshOf(hit)) mesh->prefetchFace(hit.primitive);
+    }
+    void prefetchVertices(const RayHit& hit) const {
+        if (const TriangleMesh* mesh = meshOf(hit)) mesh->prefetchVertices(hit.primitive);
+    }
 
     /// `analyticRay`: the ray in the space of the group that was hit, for analytic shapes.
     void interaction(const RayHit& hit, const Ray& analyticRay, SurfaceInteraction& si) const {
@@ -429,7 +437,12 @@ void Intersector::intersect(RayBatch& batch, Coherence coherence) const {
                 nearest(scene, batch.rays[i], query, analyticRays ? analyticRays[i] : unused);
                 const RTCHit& hit = query.hit;
                 batch.hits[i] = {hit.geomID, hit.primID, hit.instID[0], {hit.u, hit.v}};
+                // Such batches are too small for prefetchAfter(); what they hit comes while the next are
+                // traced.
+                impl_->prefetchFace(batch.hits[i]);
+                if (i > 0) impl_->prefetchVertices(batch.hits[i - 1]);
             }
+            if (n > 0) impl_->prefetchVertices(batch.hits[n - 1]);
         } else {
             withPackets(impl_->packetWidth, [&](auto packets) {
                 intersectPackets<decltype(packets)>(scene, batch, coherence, analyticRays);
@@ -445,14 +458,9 @@ void Intersector::interaction(const RayBatch& batch, size_t i, SurfaceInteractio
 }
 
 void Intersector::prefetchAfter(const RayBatch& batch, size_t i) const {
-    // Two steps, as what a face leads to is known when it is there.
     constexpr size_t kAhead = 8;
-    if (const size_t k = i + 2 * kAhead; k < batch.size())
-        if (const TriangleMesh* mesh = impl_->meshOf(batch.hits[k]))
-            mesh->prefetchFace(batch.hits[k].primitive);
-    if (const size_t k = i + kAhead; k < batch.size())
-        if (const TriangleMesh* mesh = impl_->meshOf(batch.hits[k]))
-            mesh->prefetchVertices(batch.hits[k].primitive);
+    if (const size_t k = i + 2 * kAhead; k < batch.size()) impl_->prefetchFace(batch.hits[k]);
+    if (const size_t k = i + kAhead; k < batch.size()) impl_->prefetchVertices(batch.hits[k]);
 }
 
 bool Intersector::occluded(const Ray& ray) const {

@@ -180,26 +180,30 @@ void LightWave::traceShadows() {
 
 void LightWave::merge(int depth) {
     const std::span<const Vertex> eyes = pass_->eyes.all();
-    found_.clear();
-    for (const uint32_t i : active_)
-        if (const Lane& lane = lanes_[i]; lane.merges)
-            pass_->grid.query(lane.v.si.p, lane.cells, [&](uint32_t eye) { found_.push_back({i, eye}); });
-    const double r = pass_->grid.radius(), inverseDiskArea = 1.0 / (double(kPi) * r * r);
+    const VertexGrid& grid = pass_->grid;
+    near_.clear();
+    for (const uint32_t i : active_) {
+        Lane& lane = lanes_[i];
+        if (lane.merges) grid.addWithin(lane.v.si.p, lane.cells, near_);
+        lane.nearEnd = near_.size();
+    }
+    const double r = grid.radius(), inverseDiskArea = 1.0 / (double(kPi) * r * r);
     const auto ahead = [&](size_t k) {
-        if (k < found_.size()) prefetch(&eyes[found_[k].eye], sizeof(Vertex));
+        if (k < near_.size()) prefetch(&eyes[near_[k]], sizeof(Vertex));
     };
     for (size_t k = 0; k < kAhead; ++k) ahead(k);
     uint64_t merged = 0;
-    for (size_t k = 0; k < found_.size(); ++k) {
-        ahead(k + kAhead);
-        const Lane& lane = lanes_[found_[k].lane];
-        const Vertex& eye = eyes[found_[k].eye];
-        if (depth + eye.depth > limit_) continue;
-        ++merged;
-        addPixel(lane, eye.pixel,
-                 mergeVertices(pass_->strategies, lane.v, eye, inverseDiskArea, pass_->weighted),
-                 Technique::Merge);
-    }
+    size_t k = 0;
+    for (const uint32_t i : active_)
+        for (const Lane& lane = lanes_[i]; k < lane.nearEnd; ++k) {
+            ahead(k + kAhead);
+            const Vertex& eye = eyes[near_[k]];
+            if (depth + eye.depth > limit_) continue;
+            ++merged;
+            addPixel(lane, eye.pixel,
+                     mergeVertices(pass_->strategies, lane.v, eye, inverseDiskArea, pass_->weighted),
+                     Technique::Merge);
+        }
     if (pass_->work) pass_->work->merges += merged;
 }
 

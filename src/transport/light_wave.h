@@ -29,6 +29,7 @@ class LightWave {
         VertexGrid::Cells cells;
         PhotonDensity::Bucket counted = 0;
         bool smooth = false, merges = false;  ///< at the last vertex
+        size_t nearEnd = 0;                   ///< where its own end in near_
     };
     /// A connection of a lane that waits for its shadow ray.
     struct Waiting {
@@ -36,10 +37,6 @@ class LightWave {
         uint32_t pixel;
         Vec2f raster;
         Rgb value;
-    };
-    /// Vertices of a lane and of an eye subpath within the merging radius.
-    struct Found {
-        uint32_t lane, eye;
     };
 
     void begin(const LightPass& pass, std::span<const LightJob> jobs, Coherence coherence);
@@ -64,7 +61,8 @@ class LightWave {
     RayBatch rays_;                   ///< of active_
     OcclusionBatch shadows_;
     std::vector<Waiting> waiting_;  ///< of shadows_
-    std::vector<Found> found_;
+    /// Eye vertices within the radius of the lanes' vertices, lane after lane.
+    UninitializedVector<uint32_t> near_;
 };
 
 }  // namespace metrolux

@@ -56,6 +56,24 @@ void VertexGrid::prefetchEntries(const Cells& cells) const {
     }
 }
 
+void VertexGrid::addWithin(const Vec3f& p, const Cells& cells, UninitializedVector<uint32_t>& indices) const {
+    const size_t before = indices.size();
+    size_t most = before;
+    for (uint32_t c = 0; c < cells.count; ++c)
+        most += starts_[cells.buckets[c] + 1] - starts_[cells.buckets[c]];
+    indices.resize(most);
+    // Without branches that depend on the distance: one in five is near.
+    uint32_t* end = indices.data() + before;
+    for (uint32_t c = 0; c < cells.count; ++c) {
+        const Entry* const last = entries_.data() + starts_[cells.buckets[c] + 1];
+        for (const Entry* e = entries_.data() + starts_[cells.buckets[c]]; e != last; ++e) {
+            *end = e->index;
+            end += lengthSquared(e->position - p) <= radiusSquared_;
+        }
+    }
+    indices.resize(static_cast<size_t>(end - indices.data()));
+}
+
 template <class PositionOf>
 void VertexGrid::buildFrom(size_t n, float radius, PositionOf&& positionOf) {
     radius_ = radius;

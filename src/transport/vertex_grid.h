@@ -29,7 +29,10 @@ class VertexGrid {
         if (empty()) return;
         const Cells cells = locate(p);
         prefetchEntries(cells);
-        query(p, cells, visit);
+        findWithin(p, cells, [&](const Entry& e) {
+            visit(e.index);
+            return false;
+        });
     }
 
     /// Whether any vertex lies within the radius of p.
@@ -46,16 +49,11 @@ class VertexGrid {
         uint32_t count = 0;
     };
     /// A query in three steps, between which a caller with other work has it done while memory answers:
-    /// locate(), prefetchEntries() and query() with their result. Not when empty().
+    /// locate(), prefetchEntries() and addWithin() with their result. Not when empty().
     Cells locate(const Vec3f& p) const;
     void prefetchEntries(const Cells& cells) const;
-    template <class Visit>
-    void query(const Vec3f& p, const Cells& cells, Visit&& visit) const {
-        findWithin(p, cells, [&](const Entry& e) {
-            visit(e.index);
-            return false;
-        });
-    }
+    /// Appends the indices that query() would visit, in its order.
+    void addWithin(const Vec3f& p, const Cells& cells, UninitializedVector<uint32_t>& indices) const;
     bool empty() const { return entries_.empty(); }
 
   private:

@@ -125,16 +125,26 @@ TEST(EyePass, KeepsTheVerticesOfEachSubpathTogether) {
     EXPECT_GE(r.eyes.memoryBytes(), sum * sizeof(Vertex));
 }
 
-TEST(LightPass, IsAFunctionOfItsStream) {
-    const std::shared_ptr<Scene> scene = glassScene();
-    EyeResult r;
-    runEyePass(*scene, 1, r);
+/// What a light pass over the glass scene needs.
+struct EyesOfGlassScene {
+    explicit EyesOfGlassScene(float radius) {
+        runEyePass(*scene, 1, result);
+        grid.build(result.eyes.all(), radius);
+    }
+    LightPass lightPass(const Strategies& strategies) {
+        return {*scene, limits, strategies, result.eyes, grid, film};
+    }
+    std::shared_ptr<Scene> scene = glassScene();
+    EyeResult result;
     VertexGrid grid;
-    grid.build(r.eyes.all(), 0.1f);
-    Film film(scene->camera().window(), gaussian());
-    const PathLimits limits = scene->parts().limits;
+    Film film{scene->camera().window(), gaussian()};
+    PathLimits limits = scene->parts().limits;
+};
+
+TEST(LightPass, IsAFunctionOfItsStream) {
+    EyesOfGlassScene eyes(0.1f);
     const Strategies strategies = Strategies::bidirectional(1, 0.1);
-    const LightPass pass{*scene, limits, strategies, r.eyes, grid, film};
+    const LightPass pass = eyes.lightPass(strategies);
     SplatList first, second;
     int visible = 0;
     for (int i = 0; i < 300; ++i) {
@@ -194,19 +204,13 @@ class ByDefinition final : public SubpathVisitor {
 };
 
 TEST(LightPass, SubpathsSideBySideAreThoseByDefinition) {
-    const std::shared_ptr<Scene> scene = glassScene();
-    EyeResult r;
-    runEyePass(*scene, 1, r);
-    VertexGrid grid;
-    grid.build(r.eyes.all(), 0.25f);
-    Film film(scene->camera().window(), gaussian());
-    const PathLimits limits = scene->parts().limits;
+    EyesOfGlassScene eyes(0.25f);
     PhotonDensity photons(0.4), counted(0.4), expectedCounts(0.4);
-    for (const Vertex& v : r.eyes.all()) photons.count(v.si.p);
+    for (const Vertex& v : eyes.result.eyes.all()) photons.count(v.si.p);
     photons.endIteration(1000);
     Strategies strategies = Strategies::bidirectional(1, 0.1, &photons);
     strategies.connect = 0.5;
-    const LightPass pass{*scene, limits, strategies, r.eyes, grid, film};
+    const LightPass pass = eyes.lightPass(strategies);
 
     constexpr size_t kCount = 400;
     std::vector<IndependentStream> streams;
@@ -254,7 +258,8 @@ TEST(LightPass, SubpathsSideBySideAreThoseByDefinition) {
         if (coherence == Coherence::Alone) {
             counted.endIteration(kCount);
             expectedCounts.endIteration(kCount);
-            for (const Vertex& v : r.eyes.all()) ASSERT_EQ(counted.at(v.si.p), expectedCounts.at(v.si.p));
+            for (const Vertex& v : eyes.result.eyes.all())
+                ASSERT_EQ(counted.at(v.si.p), expectedCounts.at(v.si.p));
         }
     }
 }

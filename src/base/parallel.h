@@ -13,6 +13,7 @@
 #endif
 
 #ifdef METROLUX_UNDER_THREAD_SANITIZER
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -45,7 +46,10 @@ void parallelFor(size_t n, Body&& body) {
         }
     };
     {
-        const size_t hands = std::min(n, static_cast<size_t>(tbb::this_task_arena::max_concurrency()));
+        using Control = tbb::global_control;
+        const size_t allowed = Control::active_value(Control::max_allowed_parallelism);
+        const size_t hands =
+            std::min({n, static_cast<size_t>(tbb::this_task_arena::max_concurrency()), allowed});
         std::vector<std::jthread> others;
         while (others.size() + 1 < hands) others.emplace_back(work);
         work();

@@ -4,6 +4,7 @@
 #include "base/parallel.h"
 #include "geometry/affine.h"
 #include "geometry/ray_counters.h"
+#include "geometry/triangle_pairs.h"
 
 #include <embree3/rtcore.h>
 
@@ -95,7 +96,11 @@ struct Target {
 struct Group {
     RTCScene scene = nullptr;
     std::vector<Target> targets;
+    bool pairs = false;  ///< its meshes are quadrilaterals for Embree (triangle_pairs.h)
 };
+
+/// Triangles with a partner, from which quadrilaterals are better: each of the others costs as much as two.
+constexpr double kPairedShare = 0.75;
 
 struct PlacedGroup {
     const Group* group;
@@ -112,6 +117,7 @@ struct Intersector::Impl {
     std::unordered_map<const ShapeGroup*, Group> groups;
     std::vector<PlacedGroup> instances;  // by geometry id of the top level, after its shapes
     bool hasAnalytic = false;            // of any group
+    size_t pairFrom = 0;                 // triangles of a group
     int packetWidth = 1;                 // the widest that the processor traces as a whole
     std::mutex errorMutex;
     std::string error;  // the first that Embree reported
@@ -172,14 +178,23 @@ struct Intersector::Impl {
         std::memcpy(copy, data.data(), stride * count);
     }
 
-    RTCGeometry newGeometry(const Target& target) {
+    RTCGeometry newGeometry(const Target& target, bool pairs) {
         if (const TriangleMesh* mesh = target.mesh) {
-            RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+            RTCGeometry geometry =
+                rtcNewGeometry(device, pairs ? RTC_GEOMETRY_TYPE_QUAD : RTC_GEOMETRY_TYPE_TRIANGLE);
             check("making a mesh");
             setBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, sizeof(Vec3f),
                       mesh->positions.size(), mesh->positions);
-            setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t),
-                      mesh->primitiveCount(), mesh->indices);
+            if (pairs) {
+                void* quadrilaterals =
+                    rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT4,
+                                            4 * sizeof(uint32_t), mesh->primitiveCount());
+                check("allocating a mesh");
+                writeQuadrilaterals(mesh->indices, static_cast<uint32_t*>(quadrilaterals));
+            } else {
+                setBuffer(geometry, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t),
+                          mesh->primitiveCount(), mesh->indices);
+            }
             return geometry;
         }
         RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_USER);
@@ -201,9 +216,22 @@ struct Intersector::Impl {
         for (const ShapePtr& shape : shapes) {
             group.targets.emplace_back(*shape);
             hasAnalytic |= group.targets.back().analytic != nullptr;
-            attach(group.scene, newGeometry(group.targets.back()), group.targets.size() - 1,
-                   fmt::format("attaching shape \"{}\"", shape->id));
         }
+        group.pairs = isBetterInPairs(group.targets);
+        for (size_t i = 0; i < shapes.size(); ++i)
+            attach(group.scene, newGeometry(group.targets[i], group.pairs), i,
+                   fmt::format("attaching shape \"{}\"", shapes[i]->id));
+    }
+
+    /// All of a group or nothing: Embree has a tree for each kind of primitive.
+    bool isBetterInPairs(const std::vector<Target>& targets) const {
+        size_t triangles = 0, paired = 0;
+        for (const Target& t : targets)
+            if (t.mesh) triangles += t.mesh->primitiveCount();
+        if (triangles < pairFrom) return false;
+        for (const Target& t : targets)
+            if (t.mesh) paired += pairedTriangles(t.mesh->indices);
+        return double(paired) >= kPairedShare * double(triangles);
     }
 
     void attachInstance(const Instance& instance, const Group& group) {
@@ -226,26 +254,35 @@ struct Intersector::Impl {
     const PlacedGroup* placementOf(const RayHit& hit) const {
         return hit.instance != RayHit::kNone ? &instances[hit.instance - top.targets.size()] : nullptr;
     }
-    const TriangleMesh* meshOf(const RayHit& hit) const {
-        if (!hit.found()) return nullptr;
+    /// Calls body(mesh, triangle) if a mesh was hit.
+    template <class Body>
+    void withTriangle(const RayHit& hit, Body&& body) const {
+        if (!hit.found()) return;
         const PlacedGroup* placed = placementOf(hit);
-        return (placed ? *placed->group : top).targets[hit.geometry].mesh;
+        const Group& group = placed ? *placed->group : top;
+        const TriangleMesh* mesh = group.targets[hit.geometry].mesh;
+        if (!mesh) return;
+        const bool second = group.pairs && onSecondTriangle(hit.uv);
+        body(*mesh, second && hit.primitive + 1 < mesh->primitiveCount() ? hit.primitive + 1 : hit.primitive);
     }
     /// Ask for the memory that interaction() will read. Two steps, as what a face leads to is known when it
     /// is there.
     void prefetchFace(const RayHit& hit) const {
-        if (const TriangleMesh* mesh = meshOf(hit)) mesh->prefetchFace(hit.primitive);
+        withTriangle(hit, [](const TriangleMesh& mesh, uint32_t t) { mesh.prefetchFace(t); });
     }
     void prefetchVertices(const RayHit& hit) const {
-        if (const TriangleMesh* mesh = meshOf(hit)) mesh->prefetchVertices(hit.primitive);
+        withTriangle(hit, [](const TriangleMesh& mesh, uint32_t t) { mesh.prefetchVertices(t); });
     }
 
     /// `analyticRay`: the ray in the space of the group that was hit, for analytic shapes.
     void interaction(const RayHit& hit, const Ray& analyticRay, SurfaceInteraction& si) const {
         const PlacedGroup* placed = placementOf(hit);
-        const Target& target = (placed ? *placed->group : top).targets[hit.geometry];
-        if (target.mesh) {
-            target.mesh->interaction(hit.primitive, hit.barycentric, si);
+        const Group& group = placed ? *placed->group : top;
+        const Target& target = group.targets[hit.geometry];
+        if (const TriangleMesh* mesh = target.mesh) {
+            TrianglePoint point{hit.primitive, hit.uv};
+            if (group.pairs) point = pointOfQuadrilateral(mesh->indices, hit.primitive, hit.uv);
+            mesh->interaction(point.triangle, point.barycentric, si);
         } else {
             // The same call with the same ray as in the traversal: it finds the same hit.
             float t = kInfinity;
@@ -265,9 +302,11 @@ struct Intersector::Impl {
 };
 static_assert(RayHit::kNone == RTC_INVALID_GEOMETRY_ID);
 
-Intersector::Intersector(const std::vector<ShapePtr>& shapes, const std::vector<Instance>& instances)
+Intersector::Intersector(const std::vector<ShapePtr>& shapes, const std::vector<Instance>& instances,
+                         size_t pairFrom)
     : impl_(std::make_unique<Impl>()) {
     Impl& impl = *impl_;
+    impl.pairFrom = pairFrom;
     impl.keptShapes = shapes;
     impl.fill(impl.top, shapes);
     for (const Instance& instance : instances) {

@@ -19,7 +19,13 @@ struct RayStatistics {
 /// Ray queries against all shapes of a scene (Embree). Immutable and thread-safe after construction.
 class Intersector {
   public:
-    Intersector(const std::vector<ShapePtr>& shapes, const std::vector<Instance>& instances);
+    /// Groups of so many triangles, most of which have a common edge with the one before or after (as those
+    /// of a mesh of quadrilaterals), are given to Embree in pairs. The tree is half as large, so that with
+    /// millions less of it misses the caches; with fewer it is no faster (docs/performance.md).
+    static constexpr size_t kPairFrom = 250'000;
+
+    Intersector(const std::vector<ShapePtr>& shapes, const std::vector<Instance>& instances,
+                size_t pairFrom = kPairFrom);
     ~Intersector();
     Intersector(const Intersector&) = delete;
     Intersector& operator=(const Intersector&) = delete;

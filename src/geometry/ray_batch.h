@@ -11,9 +11,9 @@ namespace metrolux {
 struct RayHit {
     static constexpr uint32_t kNone = ~0u;
     uint32_t geometry = kNone;  ///< in its group
-    uint32_t primitive = 0;     ///< triangle, 0 for analytic shapes
+    uint32_t primitive = 0;     ///< triangle, or the first of a pair; 0 for analytic shapes
     uint32_t instance = kNone;  ///< geometry id of the instance, kNone outside of instances
-    Vec2f barycentric{0.0f};
+    Vec2f uv{0.0f};             ///< Embree's: barycentric (b1, b2) of a triangle that is not in a pair
 
     bool found() const { return geometry != kNone; }
 };

@@ -51,7 +51,8 @@ TEST(RayRecorder, ReplayFindsTheSameAnswers) {
 }
 
 /// Each ray of a batch gets the answer that it gets alone, to the bit: meshes and analytic shapes, placed and
-/// instanced; packets that are full and not, and batches too small for packets.
+/// instanced, in triangles and in pairs of them; packets that are full and not, and batches too small for
+/// packets.
 TEST(Intersector, BatchesGiveTheAnswersOfSingleRays) {
     auto group = std::make_shared<ShapeGroup>();
     group->shapes = {makeSphere(Transform(), {0, 0, 0}, 0.8f, false), makeRectangle(similarity(), false)};
@@ -64,7 +65,8 @@ TEST(Intersector, BatchesGiveTheAnswersOfSingleRays) {
         instances.push_back(
             {group, Transform::translate({0, 0, 2.0f * static_cast<float>(i) - 4}) * similarity() *
                         Transform::scale({1, 1, 1.0f + static_cast<float>(i)})});
-    const Intersector scenes[] = {{placed, instances}, {{makeCube(Transform(), false)}, {}}};
+    const std::vector<ShapePtr> cube{makeCube(Transform(), false)};
+    const Intersector scenes[] = {{placed, instances}, {cube, {}}, {placed, instances, 0}, {cube, {}, 0}};
     for (const Intersector& scene : scenes)
         for (const size_t count : {0, 1, 3, 4, 16, 17, 35, 1000}) {
             CounterRng rng(hashKey(count));

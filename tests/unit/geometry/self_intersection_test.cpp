@@ -5,10 +5,15 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace metrolux {
 namespace {
 
 constexpr int kRays = 20000;
+
+/// Triangles for Embree, and pairs of them.
+constexpr size_t kBothKinds[] = {Intersector::kPairFrom, 0};
 
 Transform placed(const Vec3f& offset, const Vec3f& scale, const Vec3f& axis = {1, 2, 3}, double degrees = 0) {
     return Transform::translate(offset) * Transform::rotate(axis, degrees) * Transform::scale(scale);
@@ -16,21 +21,23 @@ Transform placed(const Vec3f& offset, const Vec3f& scale, const Vec3f& axis = {1
 
 /// Rays from random points of the shape into the hemisphere outside: how many hit the shape.
 int outwardHits(const ShapePtr& shape, bool cosineWeighted = true) {
-    const Intersector scene({shape}, {});
-    CounterRng rng(hashKey(7));
     int hits = 0;
-    for (int i = 0; i < kRays; ++i) {
-        const SurfaceInteraction si = shape->sampleArea(rng.next2D()).si;
-        Vec3f local = cosineWeighted ? warp::squareToCosineHemisphere(rng.next2D())
-                                     : warp::squareToSphere(rng.next2D());
-        local.z = std::abs(local.z);
-        const Vec3f d = normalize(Frame::fromNormal(si.ng).toWorld(local));
-        if (!(dot(d, si.ng) > 0)) continue;
-        const Ray ray{offsetRayOrigin(si.p, si.ng, d), d};
-        SurfaceInteraction hit;
-        const bool found = scene.intersect(ray, hit);
-        EXPECT_EQ(found, scene.occluded(ray));
-        hits += found;
+    for (const size_t pairFrom : kBothKinds) {
+        const Intersector scene({shape}, {}, pairFrom);
+        CounterRng rng(hashKey(7));
+        for (int i = 0; i < kRays; ++i) {
+            const SurfaceInteraction si = shape->sampleArea(rng.next2D()).si;
+            Vec3f local = cosineWeighted ? warp::squareToCosineHemisphere(rng.next2D())
+                                         : warp::squareToSphere(rng.next2D());
+            local.z = std::abs(local.z);
+            const Vec3f d = normalize(Frame::fromNormal(si.ng).toWorld(local));
+            if (!(dot(d, si.ng) > 0)) continue;
+            const Ray ray{offsetRayOrigin(si.p, si.ng, d), d};
+            SurfaceInteraction hit;
+            const bool found = scene.intersect(ray, hit);
+            EXPECT_EQ(found, scene.occluded(ray));
+            hits += found;
+        }
     }
     return hits;
 }
@@ -63,9 +70,10 @@ TEST(SelfIntersection, TrianglesAtAMillion) {
 }
 
 TEST(SelfIntersection, LargeTiltedTrianglesNearTheOrigin) {
-    for (const float size : {10.0f, 100.0f, 1000.0f}) {
+    for (int kind = 0; kind < 6; ++kind) {
+        const float size = std::array{10.0f, 100.0f, 1000.0f}[kind % 3];
         const ShapePtr shape = makeRectangle(placed({0, 0, 0}, Vec3f(size), {1, 2, 3}, 35), false);
-        const Intersector scene({shape}, {});
+        const Intersector scene({shape}, {}, kBothKinds[kind / 3]);
         CounterRng rng(hashKey(8));
         int hits = 0;
         for (int i = 0; i < kRays; ++i) {
@@ -104,7 +112,8 @@ TEST(SelfIntersection, RaysIntoAShapeReachItsFarSide) {
 
 /// A quad at a thousandth of the scale behind another one is never skipped.
 TEST(SelfIntersection, NoLeaksThroughANearbyQuad) {
-    for (const float scale : {1.0f, 100.0f, 1e4f, 1e6f}) {
+    for (int kind = 0; kind < 8; ++kind) {
+        const float scale = std::array{1.0f, 100.0f, 1e4f, 1e6f}[kind % 4];
         SCOPED_TRACE(scale);
         const Vec3f offset = Vec3f(1, -1, 1) * scale;
         const Transform rotation = Transform::translate(offset) * Transform::rotate({1, 2, 3}, 35);
@@ -112,7 +121,7 @@ TEST(SelfIntersection, NoLeaksThroughANearbyQuad) {
         const ShapePtr far = makeRectangle(
             rotation * Transform::translate({0, 0, 1e-3f * scale}) * Transform::scale(Vec3f(2 * scale)),
             false);
-        const Intersector scene({near, far}, {});
+        const Intersector scene({near, far}, {}, kBothKinds[kind / 4]);
         CounterRng rng(hashKey(10));
         for (int i = 0; i < kRays; ++i) {
             const SurfaceInteraction si = near->sampleArea(rng.next2D()).si;

@@ -1,6 +1,7 @@
 #include "integrators/iteration.h"
 
 #include "base/parallel.h"
+#include "integrators/light_order.h"
 #include "sampling/streams.h"
 #include "transport/subpath.h"
 
@@ -88,14 +89,20 @@ void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t p
     constexpr size_t kChunk = 256;
     const double scale = 1.0 / double(count);
     if (sizes) sizes->assign(count, 0);
+    const auto streamOf = [&](size_t i) {
+        return IndependentStream(lightSubpathKey(seed, passIndex, first + i));
+    };
+    const std::vector<uint32_t> order = coherentLightOrder(pass.rules(), count, streamOf);
     parallelFor((count + kChunk - 1) / kChunk, [&](size_t chunk) {
-        const size_t begin = chunk * kChunk, n = std::min(count - begin, kChunk);
+        const std::span<const uint32_t> subpaths =
+            std::span(order).subspan(chunk * kChunk, std::min(count - chunk * kChunk, kChunk));
+        const size_t n = subpaths.size();
         static thread_local std::vector<SplatList> splats(kChunk);  // keep their memory
         std::vector<IndependentStream> streams;
         std::vector<LightJob> jobs;
         streams.reserve(n);
         for (size_t i = 0; i < n; ++i) {
-            streams.emplace_back(lightSubpathKey(seed, passIndex, first + begin + i));
+            streams.push_back(streamOf(subpaths[i]));
             jobs.push_back({&streams[i], &splats[i], counted});
         }
         pass.evaluate(jobs, Coherence::None);
@@ -103,7 +110,7 @@ void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t p
             if (i + 1 < n) film.prefetch(splats[i + 1]);
             if (splats[i].empty()) continue;
             film.addSplats(splats[i], scale, scale * filmShare);
-            if (sizes) (*sizes)[begin + i] = pass.size(splats[i]);
+            if (sizes) (*sizes)[subpaths[i]] = pass.size(splats[i]);
         }
     });
 }

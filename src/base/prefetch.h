@@ -1,15 +1,19 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 
 namespace metrolux {
 
-/// Asks for memory that will be read soon. Only a hint: the address need not be valid.
+/// Asks for memory that will be read soon. Only a hint: the address need not be valid, and there may be no
+/// bytes.
 template <int forWriting = 0>
 void prefetch(const void* address, size_t bytes = 1) {
     constexpr size_t kLine = 64;
-    const char* const first = static_cast<const char*>(address);
-    for (size_t i = 0; i + 1 < bytes; i += kLine) __builtin_prefetch(first + i, forWriting);
-    __builtin_prefetch(first + bytes - 1, forWriting);
+    // As a number: sums of pointers must stay within an object.
+    const auto first = reinterpret_cast<uintptr_t>(address);
+    const auto ask = [](uintptr_t at) { __builtin_prefetch(reinterpret_cast<const void*>(at), forWriting); };
+    for (size_t i = 0; i + 1 < bytes; i += kLine) ask(first + i);
+    ask(first + bytes - 1);
     // GCC takes a function that only prefetches for one without effects, and drops calls that it does not
     // inline: of this function, of its callers. This is an effect, and no instruction.
     asm volatile("");

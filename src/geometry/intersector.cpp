@@ -99,7 +99,7 @@ struct Group {
     bool pairs = false;  ///< its meshes are quadrilaterals for Embree (triangle_pairs.h)
 };
 
-/// Triangles with a partner, from which quadrilaterals are better: each of the others costs as much as two.
+/// Share of triangles with a partner from which a group is given in pairs. The others have an empty half.
 constexpr double kPairedShare = 0.75;
 
 struct PlacedGroup {
@@ -117,7 +117,6 @@ struct Intersector::Impl {
     std::unordered_map<const ShapeGroup*, Group> groups;
     std::vector<PlacedGroup> instances;  // by geometry id of the top level, after its shapes
     bool hasAnalytic = false;            // of any group
-    size_t pairFrom = 0;                 // triangles of a group
     int packetWidth = 1;                 // the widest that the processor traces as a whole
     std::mutex errorMutex;
     std::string error;  // the first that Embree reported
@@ -208,7 +207,7 @@ struct Intersector::Impl {
     }
 
     /// Makes the scene of a group; the caller commits it.
-    void fill(Group& group, const std::vector<ShapePtr>& shapes) {
+    void fill(Group& group, const std::vector<ShapePtr>& shapes, size_t pairFrom) {
         group.scene = rtcNewScene(device);
         check("making a scene");
         rtcSetSceneFlags(group.scene, RTC_SCENE_FLAG_ROBUST);
@@ -217,14 +216,14 @@ struct Intersector::Impl {
             group.targets.emplace_back(*shape);
             hasAnalytic |= group.targets.back().analytic != nullptr;
         }
-        group.pairs = isBetterInPairs(group.targets);
+        group.pairs = isBetterInPairs(group.targets, pairFrom);
         for (size_t i = 0; i < shapes.size(); ++i)
             attach(group.scene, newGeometry(group.targets[i], group.pairs), i,
                    fmt::format("attaching shape \"{}\"", shapes[i]->id));
     }
 
     /// All of a group or nothing: Embree has a tree for each kind of primitive.
-    bool isBetterInPairs(const std::vector<Target>& targets) const {
+    static bool isBetterInPairs(const std::vector<Target>& targets, size_t pairFrom) {
         size_t triangles = 0, paired = 0;
         for (const Target& t : targets)
             if (t.mesh) triangles += t.mesh->primitiveCount();
@@ -254,12 +253,12 @@ struct Intersector::Impl {
     const PlacedGroup* placementOf(const RayHit& hit) const {
         return hit.instance != RayHit::kNone ? &instances[hit.instance - top.targets.size()] : nullptr;
     }
+    const Group& groupOf(const PlacedGroup* placed) const { return placed ? *placed->group : top; }
     /// Calls body(mesh, triangle) if a mesh was hit.
     template <class Body>
     void withTriangle(const RayHit& hit, Body&& body) const {
         if (!hit.found()) return;
-        const PlacedGroup* placed = placementOf(hit);
-        const Group& group = placed ? *placed->group : top;
+        const Group& group = groupOf(placementOf(hit));
         const TriangleMesh* mesh = group.targets[hit.geometry].mesh;
         if (!mesh) return;
         const bool second = group.pairs && onSecondTriangle(hit.uv);
@@ -277,7 +276,7 @@ struct Intersector::Impl {
     /// `analyticRay`: the ray in the space of the group that was hit, for analytic shapes.
     void interaction(const RayHit& hit, const Ray& analyticRay, SurfaceInteraction& si) const {
         const PlacedGroup* placed = placementOf(hit);
-        const Group& group = placed ? *placed->group : top;
+        const Group& group = groupOf(placed);
         const Target& target = group.targets[hit.geometry];
         if (const TriangleMesh* mesh = target.mesh) {
             TrianglePoint point{hit.primitive, hit.uv};
@@ -306,15 +305,14 @@ Intersector::Intersector(const std::vector<ShapePtr>& shapes, const std::vector<
                          size_t pairFrom)
     : impl_(std::make_unique<Impl>()) {
     Impl& impl = *impl_;
-    impl.pairFrom = pairFrom;
     impl.keptShapes = shapes;
-    impl.fill(impl.top, shapes);
+    impl.fill(impl.top, shapes, pairFrom);
     for (const Instance& instance : instances) {
         const auto [it, isNew] = impl.groups.try_emplace(instance.group.get());
         Group& group = it->second;
         if (isNew) {
             impl.keptGroups.push_back(instance.group);
-            impl.fill(group, instance.group->shapes);
+            impl.fill(group, instance.group->shapes, pairFrom);
             rtcCommitScene(group.scene);
             impl.check("building a shape group");
         }

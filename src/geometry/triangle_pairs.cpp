@@ -1,26 +1,29 @@
 #include "geometry/triangle_pairs.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace metrolux {
 
 namespace {
 
-/// The pair that begins at a triangle.
-std::optional<TrianglePair> pairAt(std::span<const uint32_t> indices, size_t triangle) {
+/// The corners of two triangles that are not on their common edge.
+struct Corners {
+    int first = 0, second = 0;
+};
+
+/// Those of a triangle and its successor, nothing if they are no pair.
+std::optional<Corners> pairAt(std::span<const uint32_t> indices, size_t triangle) {
     if (3 * triangle + 6 > indices.size()) return {};
-    return TrianglePair::of(indices.subspan(3 * triangle).first<6>());
-}
-
-}  // namespace
-
-std::optional<TrianglePair> TrianglePair::of(std::span<const uint32_t, 6> v) {
+    const uint32_t* v = &indices[3 * triangle];
     for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k)
             if (v[(i + 1) % 3] == v[3 + (k + 2) % 3] && v[(i + 2) % 3] == v[3 + (k + 1) % 3])
-                return TrianglePair{i, k};
+                return Corners{i, k};
     return {};
 }
+
+}  // namespace
 
 size_t pairedTriangles(std::span<const uint32_t> indices) {
     size_t paired = 0;

@@ -2,20 +2,13 @@
 #include "base/math.h"
 
 #include <cstdint>
-#include <optional>
 #include <span>
 
 namespace metrolux {
 
-/// Two successive triangles of a mesh that share an edge, which they pass in opposite directions: Embree can
-/// have them as one quadrilateral. Its vertices v0, v1, v3 are the first triangle, v2, v3, v1 the second.
-struct TrianglePair {
-    int first = 0;   ///< corner of the first triangle that is not on the edge
-    int second = 0;  ///< and of the second
-
-    /// `vertices`: three of each triangle. Nothing if they share no such edge.
-    static std::optional<TrianglePair> of(std::span<const uint32_t, 6> vertices);
-};
+/// Two successive triangles of a mesh that share an edge, which they pass in opposite directions, are a pair:
+/// Embree can have them as one quadrilateral. Its vertices v0, v1, v3 are the first triangle, v2, v3, v1 the
+/// second.
 
 /// How many triangles have a partner when each that has none yet is paired with its successor where that is
 /// possible. `indices`: three per triangle, here and below.

@@ -64,7 +64,7 @@ thread-test: setup
 	cmake --build --preset thread
 	ctest --preset thread -L '^unit/' -E '$(SERIAL_TESTS)'
 
-# All tests with the address and undefined-behaviour sanitizers, and a part of them with the thread sanitizer.
+# All tests with the address and undefined-behavior sanitizers, and a part of them with the thread sanitizer.
 sanitize: debug-test thread-test
 
 # libFuzzer on each parser, FUZZ_SECONDS each (needs clang).
@@ -76,7 +76,7 @@ fuzz: setup
 	for target in $(FUZZ_TARGETS); do fuzz/run.sh $(FUZZ_BUILD) $$target $(FUZZ_SECONDS) || exit 1; done
 FUZZ_BUILD := build-fuzz
 
-# Random scenes through all integrators with the address and undefined-behaviour sanitizers.
+# Random scenes through all integrators with the address and undefined-behavior sanitizers.
 SOAK_SECONDS := 1800
 soak: setup
 	cmake --preset debug

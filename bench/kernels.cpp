@@ -15,7 +15,7 @@
 
 #include <benchmark/benchmark.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 struct Model {
@@ -222,4 +222,4 @@ BENCHMARK(traceSubpath<true>)->Name("Subpath/eye");
 BENCHMARK(traceSubpath<false>)->Name("Subpath/light");
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

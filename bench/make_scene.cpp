@@ -11,7 +11,7 @@
 #include <fstream>
 #include <stdexcept>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -144,11 +144,11 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core
 
 int main(int argc, char** argv) {
     try {
-        return metrolux::run(argc, argv);
+        return metrolux::core::run(argc, argv);
     } catch (const std::exception& error) {
         fmt::print(stderr, "bench_scene: {}\n", error.what());
         return 1;

@@ -8,7 +8,7 @@
 #include "sandbox.h"
 #include "support/small_scenes.h"
 
-using namespace metrolux;
+using namespace metrolux::core;
 
 namespace {
 
@@ -37,7 +37,7 @@ IntegratorOptions optionsOf(const nlohmann::json& algorithm) {
     options.lanes = 2;
     options.limits.maxDepth = 6;
     if (is("method", "A")) options.mergeMethod = 'A';
-    if (is("normalisation", "bennett")) options.normalisation = NormalisationMethod::Bennett;
+    if (is("normalization", "bennett")) options.normalization = NormalizationMethod::Bennett;
     options.measuredSplit = is("split", "auto") && is("integrator", "mcmc_vcm");
     if (is("kernel", "adaptive")) options.kernel = MutationKernel::Kind::Adaptive;
     return options;

@@ -20,7 +20,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size);
 namespace {
 
 namespace fs = std::filesystem;
-using metrolux::CounterRng;
+using metrolux::core::CounterRng;
 
 constexpr size_t kLargestInput = 64 << 10;
 

@@ -3,7 +3,7 @@
 #include "image/image_io.h"
 #include "sandbox.h"
 
-using namespace metrolux;
+using namespace metrolux::core;
 
 namespace {
 constexpr const char* kNames[] = {"a.exr", "a.png", "a.jpg",  "a.hdr", "a.bmp",

@@ -16,7 +16,7 @@ make() {  # NAME PASSES, options of `metrolux render`
 mkdir -p "$here/corpus/checkpoint"
 for integrator in $("$metrolux" integrators | cut -d' ' -f1); do make "$integrator" 3 -i "$integrator"; done
 make pssmlt_adaptive 3 -i pssmlt --kernel adaptive
-make mcmc_vcm_bennett 3 -i mcmc_vcm --normalisation bennett
+make mcmc_vcm_bennett 3 -i mcmc_vcm --normalization bennett
 make mcmc_vcm_auto 9 -i mcmc_vcm --split auto
 make pssmlt_merge_a 3 -i pssmlt_merge --method A
 make streams 6 -i vpt --streams 4

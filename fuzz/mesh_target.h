@@ -2,7 +2,7 @@
 #include "io/mesh_io.h"
 #include "sandbox.h"
 
-namespace metrolux::fuzz {
+namespace metrolux::core::fuzz {
 
 /// One input of a reader of mesh files: readMesh(file, options).
 template <class Read>
@@ -18,4 +18,4 @@ int runMesh(const char* name, const uint8_t* data, size_t size, Read&& readMesh)
     return 0;
 }
 
-}  // namespace metrolux::fuzz
+}  // namespace metrolux::core::fuzz

@@ -3,5 +3,5 @@
 #include "mesh_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-    return metrolux::fuzz::runMesh("mesh.ply", data, size, metrolux::readPly);
+    return metrolux::core::fuzz::runMesh("mesh.ply", data, size, metrolux::core::readPly);
 }

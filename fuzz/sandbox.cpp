@@ -7,7 +7,7 @@
 #include <iterator>
 #include <unistd.h>
 
-namespace metrolux::fuzz {
+namespace metrolux::core::fuzz {
 
 namespace fs = std::filesystem;
 
@@ -33,4 +33,4 @@ void fail(const std::string& what) {
     std::abort();
 }
 
-}  // namespace metrolux::fuzz
+}  // namespace metrolux::core::fuzz

@@ -10,7 +10,7 @@
 #include <string>
 #include <string_view>
 
-namespace metrolux::fuzz {
+namespace metrolux::core::fuzz {
 
 /// A folder of this process, in memory where the system has such a place; removed at exit.
 class Sandbox : public test::TemporaryFolder {
@@ -44,4 +44,4 @@ void expectErrorsOnly(const std::filesystem::path& file, Parse&& parse) {
     expectErrorsOnly(file.parent_path().string(), std::forward<Parse>(parse));
 }
 
-}  // namespace metrolux::fuzz
+}  // namespace metrolux::core::fuzz

@@ -6,7 +6,7 @@
 #include "io/scene_loader.h"
 #include "sandbox.h"
 
-using namespace metrolux;
+using namespace metrolux::core;
 
 namespace {
 

@@ -3,8 +3,8 @@
 #include "mesh_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-    return metrolux::fuzz::runMesh("mesh.serialized", data, size,
-                                   [size](const auto& file, const auto& options) {
-                                       metrolux::readSerialized(file, size % 2 == 0 ? 0 : 1, options);
-                                   });
+    return metrolux::core::fuzz::runMesh(
+        "mesh.serialized", data, size, [size](const auto& file, const auto& options) {
+            metrolux::core::readSerialized(file, size % 2 == 0 ? 0 : 1, options);
+        });
 }

@@ -5,7 +5,7 @@
 #include "io/mitsuba/values.h"
 #include "sandbox.h"
 
-using namespace metrolux;
+using namespace metrolux::core;
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
     static const fuzz::Sandbox sandbox;

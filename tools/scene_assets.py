@@ -30,7 +30,7 @@ def write_ply(path, vertices, faces):
 
 
 def write_png(path, width, height, pixel):
-    """An 8-bit image, grey or RGB; pixel(x, y) gives codes from 0 to 1."""
+    """An 8-bit image, gray or RGB; pixel(x, y) gives codes from 0 to 1."""
     first = pixel(0, 0)
     channels = len(first)
     rows = bytearray()
@@ -147,7 +147,7 @@ def bowl():
 
 
 def chess_queen():
-    """A turned figure with sharp and soft mouldings, one unit high."""
+    """A turned figure with sharp and soft moldings, one unit high."""
     profile = [(0.0, 0.0)] + catmull_rom(
         [(0.26, 0.0), (0.29, 0.03), (0.27, 0.09), (0.2, 0.13), (0.21, 0.17), (0.13, 0.23), (0.1, 0.38),
          (0.085, 0.6), (0.09, 0.65), (0.17, 0.67), (0.17, 0.7), (0.1, 0.73), (0.12, 0.78), (0.185, 0.9),
@@ -294,7 +294,7 @@ def dents(size):
 
 
 def leaf(size, mask):
-    """A leaf with teeth and veins, along u; the mask or the colour."""
+    """A leaf with teeth and veins, along u; the mask or the color."""
     def pixel(x, y):
         u, v = (x + 0.5) / size, 2 * (y + 0.5) / size - 1
         width = 0.85 * math.sin(math.pi * min(max((u - 0.12) / 0.86, 0), 1)) ** 0.8
@@ -304,8 +304,8 @@ def leaf(size, mask):
             return (1.0 if inside else 0.0,)
         vein = abs(v) < 0.025 or abs(((u - 0.55 * abs(v)) * 9) % 1 - 0.5) < 0.05
         tone = 1 + 0.2 * noise(u * 12, v * 12, 64)
-        colour = (0.50, 0.62, 0.22) if vein else (0.24, 0.46, 0.12)
-        return tuple(c * tone for c in colour)
+        color = (0.50, 0.62, 0.22) if vein else (0.24, 0.46, 0.12)
+        return tuple(c * tone for c in color)
 
     return pixel
 

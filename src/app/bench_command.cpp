@@ -10,7 +10,7 @@
 
 #include <spdlog/spdlog.h>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -75,4 +75,4 @@ Run addBenchCommand(CLI::App& parent) {
     return [a] { return bench(*a); };
 }
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

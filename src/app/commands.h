@@ -3,7 +3,7 @@
 
 #include <functional>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 
 /// Exit statuses; docs and --help list them.
 enum ExitStatus : int {
@@ -26,4 +26,4 @@ Run addBenchCommand(CLI::App& parent);
 Run addInfoCommand(CLI::App& parent);
 Run addIntegratorsCommand(CLI::App& parent);
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

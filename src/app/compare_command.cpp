@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -17,7 +17,7 @@ relMSE     mean of (a-b)^2 / (b^2 + epsilon)
 trimmed    relMSE without the 0.1 % of the pixels where it is largest
 sMAPE      mean of 2|a-b| / (|a|+|b|)
 bias       (mean a - mean b) / mean b, with its standard error from tiles of 16x16 pixels
-All means are over pixels and colour channels. Integer formats such as PNG are decoded to linear values.)";
+All means are over pixels and color channels. Integer formats such as PNG are decoded to linear values.)";
 
 struct CompareArguments {
     std::string image, reference, heatMap;
@@ -84,4 +84,4 @@ Run addCompareCommand(CLI::App& parent) {
     return [a] { return compare(*a); };
 }
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

@@ -12,7 +12,7 @@
 #include <set>
 #include <typeinfo>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 namespace {
 
 constexpr const char* kInfoExamples = R"(Examples:
@@ -127,4 +127,4 @@ Run addIntegratorsCommand(CLI::App& parent) {
     return [] { return listIntegrators(); };
 }
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <csignal>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 namespace {
 
 std::atomic<bool> requested{false};
@@ -27,4 +27,4 @@ void catchInterrupts() {
 
 bool interruptRequested() { return requested.load(); }
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

@@ -12,7 +12,7 @@
 #include <new>
 #include <sstream>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 namespace {
 
 constexpr const char* kDescription =
@@ -102,16 +102,16 @@ void keepFreedMemory() {
 }
 
 }  // namespace
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app
 
 int main(int argc, char** argv) {
-    using namespace metrolux::app;
+    using namespace metrolux::core::app;
     keepFreedMemory();
     spdlog::set_default_logger(spdlog::stderr_color_mt("metrolux"));
     spdlog::set_pattern("%^[%l]%$ %v");
     try {
         return runCommandLine(argc, argv);
-    } catch (const metrolux::Error& error) {
+    } catch (const metrolux::core::Error& error) {
         fmt::print(stderr, "metrolux: {}\n", error.what());
         return kUserError;
     } catch (const std::bad_alloc&) {

@@ -6,7 +6,7 @@
 
 #include <spdlog/spdlog.h>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
@@ -91,4 +91,4 @@ Run addMergeCommand(CLI::App& parent) {
     return [arguments] { return merge(*arguments); };
 }
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

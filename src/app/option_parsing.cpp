@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fstream>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 namespace {
 
 constexpr int kLargestSide = 65536;
@@ -122,4 +122,4 @@ std::map<std::string, std::string> parseDefines(const std::vector<std::string>& 
     return defines;
 }
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

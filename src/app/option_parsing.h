@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 
 /// "90", "60s", "5m", "1.5h", "1h30m": seconds, positive.
 double parseDuration(const std::string& text);
@@ -38,4 +38,4 @@ Range parseRange(const std::string& text);
 /// "name=value" each.
 std::map<std::string, std::string> parseDefines(const std::vector<std::string>& texts);
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

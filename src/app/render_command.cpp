@@ -9,7 +9,7 @@
 
 #include <spdlog/spdlog.h>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -148,4 +148,4 @@ Run addRenderCommand(CLI::App& parent) {
     };
 }
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

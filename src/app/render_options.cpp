@@ -8,7 +8,7 @@
 
 #include <spdlog/spdlog.h>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 
 namespace fs = std::filesystem;
 
@@ -196,7 +196,7 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->check(CLI::IsMember({"luminance", "relative"}))
         ->group(group);
     app.add_option(
-           "--normalisation", a.normalisation,
+           "--normalization", a.normalization,
            "mcmc_vcm: of f, from independent and visibility samples (`pooled`, default) or from all\nby "
            "`bennett`'s ratio; changes noise, not brightness")
         ->option_text("NAME")
@@ -284,7 +284,7 @@ void warnOfUnusedOptions(const RenderArguments& a, const std::string& integrator
         {"--connections", o.connections.has_value(), "bdpt vcm mcmc_vcm"},
         {"--split", !a.split.empty(), chains},
         {"--target", o.target != unset.target, "mcmc_vcm"},
-        {"--normalisation", o.normalisation != unset.normalisation, "mcmc_vcm"},
+        {"--normalization", o.normalization != unset.normalization, "mcmc_vcm"},
         {"--theta", o.pooledTheta, chains},
         {"--no-correlation-aware", !o.correlationAware, "vcm mcmc_vcm split_mcmc"},
         {"--lanes", o.lanes > 0, chains + " " + metropolis},
@@ -307,7 +307,7 @@ void prepareAlgorithm(RenderArguments& a) {
     else if (!a.split.empty())
         options.split = parseSplit(a.split);
     if (a.target == "relative") options.target = ChainTarget::Relative;
-    if (a.normalisation == "bennett") options.normalisation = NormalisationMethod::Bennett;
+    if (a.normalization == "bennett") options.normalization = NormalizationMethod::Bennett;
     options.pooledTheta = a.theta == "pooled";
     checkIntegratorName(a.session.integrator);
     if (a.session.integrator != "scene") warnOfUnusedOptions(a, a.session.integrator);
@@ -407,4 +407,4 @@ SceneParts loadSceneParts(const fs::path& file, const RenderArguments& a, std::v
     return parts;
 }
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

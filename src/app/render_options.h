@@ -8,11 +8,11 @@
 
 #include <optional>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 
 struct RenderArguments {
     std::string scene, time, memory, sceneMemory, resolution, crop, stats, filter, kernel, split;
-    std::string curve = "srgb", method = "B", target = "luminance", normalisation = "pooled", theta = "lane";
+    std::string curve = "srgb", method = "B", target = "luminance", normalization = "pooled", theta = "lane";
     std::string checkpointEvery, onlyStreams;
     uint32_t streams = 0;  ///< 0: not divided
     std::vector<std::string> outputs, defines, aovs;
@@ -59,4 +59,4 @@ int conclude(const SessionResult& result, const RenderArguments& a);
 /// Renders; the exit status. `before`: a checkpoint to go on from. Throws Error.
 int render(RenderArguments& a, std::optional<Checkpoint> before);
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

@@ -6,7 +6,7 @@
 
 #include <spdlog/spdlog.h>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -99,4 +99,4 @@ Run addResumeCommand(CLI::App& parent) {
     return [arguments] { return resume(*arguments); };
 }
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

@@ -14,7 +14,7 @@
 
 #include <set>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 namespace {
 
 namespace fs = std::filesystem;
@@ -362,4 +362,4 @@ Run addStudyCommand(CLI::App& parent) {
     return [arguments] { return runStudyCommand(*arguments); };
 }
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

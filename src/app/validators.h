@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace metrolux::app {
+namespace metrolux::core::app {
 
 /// A whole number from `least` to `most`.
 template <class Integer>
@@ -40,4 +40,4 @@ inline CLI::Validator realNumber(bool zeroAllowed) {
         "");
 }
 
-}  // namespace metrolux::app
+}  // namespace metrolux::core::app

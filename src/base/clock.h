@@ -1,7 +1,7 @@
 #pragma once
 #include <ctime>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Seconds of a clock of the system. CLOCK_MONOTONIC has any origin; CLOCK_PROCESS_CPUTIME_ID counts what all
 /// threads of this process have worked.
@@ -14,4 +14,4 @@ inline double secondsOf(clockid_t clock) {
 inline double steadySeconds() { return secondsOf(CLOCK_MONOTONIC); }
 inline double processorSeconds() { return secondsOf(CLOCK_PROCESS_CPUTIME_ID); }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

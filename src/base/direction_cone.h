@@ -1,7 +1,7 @@
 #pragma once
 #include "base/math.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// All unit directions within an angle of an axis. Angles are kept as cosines. Default: all directions.
 struct DirectionCone {
@@ -26,4 +26,4 @@ inline float cosineAround(const Vec3f& axis, const DirectionCone& cone) {
     return cosOfSum(std::clamp(dot(axis, cone.axis), -1.0f, 1.0f), cone.cosine);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 DiscreteDistribution::DiscreteDistribution(std::span<const double> weights) {
     cdf_.reserve(weights.size() + 1);
@@ -59,7 +59,7 @@ int cellOf(float coordinate, int cells) {
     return std::clamp(static_cast<int>(coordinate * static_cast<float>(cells)), 0, cells - 1);
 }
 
-/// A coordinate of the unit interval that cellOf() finds in `cell`: rounding may not move it to a neighbour,
+/// A coordinate of the unit interval that cellOf() finds in `cell`: rounding may not move it to a neighbor,
 /// whose density is another one.
 float coordinateIn(int cell, float fraction, int cells) {
     float x = std::min(static_cast<float>((cell + double(fraction)) / cells), kOneMinusEpsilon);
@@ -93,4 +93,4 @@ float Distribution2D::pdf(const Vec2f& point) const {
            static_cast<float>(width_);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

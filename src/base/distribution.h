@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Discrete distribution over indices, sampled by inverting its cumulative sum.
 class DiscreteDistribution {
@@ -41,7 +41,7 @@ class Distribution2D {
     int width_ = 0, height_ = 0;
     double total_ = 0;
     std::vector<double> rowCdf_;  // height + 1
-    std::vector<float> cdf_;      // height * (width + 1), each row normalised
+    std::vector<float> cdf_;      // height * (width + 1), each row normalized
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

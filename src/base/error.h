@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Something that the user gave cannot be used. The message names the file, the line or element, what was
 /// found and what was expected; the command prints it and exits with status 2.
@@ -16,4 +16,4 @@ class Error : public std::runtime_error {
         : std::runtime_error(fmt::format(format, std::forward<Args>(args)...)) {}
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,7 +1,7 @@
 #pragma once
 #include "base/math.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Right-handed orthonormal frame; local coordinates are (s, t, n), n is the local z axis.
 struct Frame {
@@ -39,4 +39,4 @@ inline bool sameHemisphere(const Vec3f& a, const Vec3f& b) { return a.z * b.z > 
 /// Mirror of v about the local normal.
 inline Vec3f reflectLocal(const Vec3f& v) { return {-v.x, -v.y, v.z}; }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -9,7 +9,7 @@
 #include <sys/mman.h>
 #endif
 
-namespace metrolux {
+namespace metrolux::core {
 
 inline constexpr size_t kHugePage = size_t{1} << 21;
 
@@ -63,4 +63,4 @@ struct HugePageAllocator : std::allocator<T> {
     static bool isLarge(size_t n) { return n >= kHugePage / sizeof(T); }
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

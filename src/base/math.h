@@ -1,5 +1,5 @@
 #pragma once
-/// Vector, colour and ray types, and the few scalar helpers that every module needs.
+/// Vector, color and ray types, and the few scalar helpers that every module needs.
 /// Lengths are in scene units, angles in radians, radiometric values linear Rec.709 RGB.
 
 #include <Imath/ImathColor.h>
@@ -11,7 +11,7 @@
 #include <limits>
 #include <numbers>
 
-namespace metrolux {
+namespace metrolux::core {
 
 using Vec2f = Imath::V2f;
 using Vec3f = Imath::V3f;
@@ -55,4 +55,4 @@ struct Ray {
     float tMax = kInfinity;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

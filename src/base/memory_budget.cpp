@@ -5,7 +5,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-namespace metrolux {
+namespace metrolux::core {
 
 uint64_t physicalMemoryBytes() {
     const long pages = ::sysconf(_SC_PHYS_PAGES), size = ::sysconf(_SC_PAGE_SIZE);
@@ -33,4 +33,4 @@ void MemoryBudget::require(uint64_t bytes, std::string_view what) const {
                 sizeText(bytes), sizeText(total_ - used_), sizeText(used_), sizeText(total_));
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Bytes of memory that this machine has; 0 if the system does not say.
 uint64_t physicalMemoryBytes();
@@ -33,4 +33,4 @@ class MemoryBudget {
     uint64_t total_, used_ = 0;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

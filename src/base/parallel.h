@@ -24,7 +24,7 @@
 #include <vector>
 #endif
 
-namespace metrolux {
+namespace metrolux::core {
 
 #ifdef METROLUX_UNDER_THREAD_SANITIZER
 
@@ -69,4 +69,4 @@ void parallelFor(size_t n, Body&& body) {
 
 #endif
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Asks for memory that will be read soon. Only a hint: the address need not be valid, and there may be no
 /// bytes.
@@ -22,4 +22,4 @@ void prefetch(const void* address, size_t bytes = 1) {
 /// The same of memory that will be written to.
 inline void prefetchToWrite(const void* address, size_t bytes = 1) { prefetch<1>(address, bytes); }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

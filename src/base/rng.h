@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-namespace metrolux {
+namespace metrolux::core {
 
-/// Bijective 64-bit finaliser (Stafford's variant 13 of the MurmurHash3 finaliser, as used by SplitMix64).
+/// Bijective 64-bit finalizer (Stafford's variant 13 of the MurmurHash3 finalizer, as used by SplitMix64).
 constexpr uint64_t mixBits(uint64_t x) {
     x ^= x >> 30;
     x *= 0xbf58476d1ce4e5b9ULL;
@@ -57,4 +57,4 @@ class CounterRng {
     uint64_t key_, counter_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

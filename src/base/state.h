@@ -11,7 +11,7 @@
 
 #include <cstdint>
 
-namespace metrolux {
+namespace metrolux::core {
 
 class StateWriter;  // base/state_archive.h
 class StateReader;
@@ -41,4 +41,4 @@ inline void checkState(bool valid, const char* expected) {
     if (!valid) throw Error("saved state: expected {}", expected);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

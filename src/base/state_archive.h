@@ -14,7 +14,7 @@
 #include <type_traits>
 #include <utility>
 
-namespace metrolux {
+namespace metrolux::core {
 
 class StateWriter : public cereal::OutputArchive<StateWriter, cereal::AllowEmptyClassElision> {
   public:
@@ -101,9 +101,9 @@ void CEREAL_LOAD_FUNCTION_NAME(StateReader& reader, cereal::SizeTag<T>& tag) {
     tag.size = static_cast<cereal::size_type>(size);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core
 
-CEREAL_SETUP_ARCHIVE_TRAITS(metrolux::StateReader, metrolux::StateWriter)
+CEREAL_SETUP_ARCHIVE_TRAITS(metrolux::core::StateReader, metrolux::core::StateWriter)
 
 namespace IMATH_INTERNAL_NAMESPACE {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -15,7 +15,7 @@ std::string comparable(const std::string& name) {
     return result;
 }
 
-/// Insertions, deletions, substitutions and exchanges of neighbours (optimal string alignment).
+/// Insertions, deletions, substitutions and exchanges of neighbors (optimal string alignment).
 size_t editDistance(const std::string& a, const std::string& b) {
     std::vector<size_t> beforeLast, last(b.size() + 1), row(b.size() + 1);
     for (size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -52,4 +52,4 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
     return best;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -171,4 +171,4 @@ bool Transform::hasScale() const {
     return false;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

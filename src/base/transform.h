@@ -3,7 +3,7 @@
 
 #include <Imath/ImathMatrix.h>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Affine or projective map of 3D points, column-vector convention as in Mitsuba: p' = M p, and
 /// (a * b)(p) = a(b(p)). Kept in double precision with its inverse.
@@ -24,7 +24,7 @@ class Transform {
 
     Vec3f point(const Vec3f& p) const;
     Vec3f vector(const Vec3f& v) const;
-    /// Transforms by the inverse transpose; the result is not normalised.
+    /// Transforms by the inverse transpose; the result is not normalized.
     Vec3f normal(const Vec3f& n) const;
 
     double at(int row, int column) const { return m_[row][column]; }
@@ -37,4 +37,4 @@ class Transform {
     double inv_[4][4];
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Allocator of vectors whose resize() leaves new elements as they come from memory, for large arrays that
 /// several threads fill next: each element must be constructed (std::construct_at, std::uninitialized_copy)
@@ -31,4 +31,4 @@ struct UninitializedAllocator : HugePageAllocator<T> {
 template <class T>
 using UninitializedVector = std::vector<T, UninitializedAllocator<T>>;
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 
 #include "base/math.h"
 
-namespace metrolux::warp {
+namespace metrolux::core::warp {
 
 /// Sine and cosine for |x| <= pi/4, to about a unit in the last place (the polynomials of Moshier's Cephes).
 inline void sinCosNearZero(float x, float& sine, float& cosine) {
@@ -58,4 +58,4 @@ inline Vec2f squareToTriangle(const Vec2f& u) {
     return {1.0f - s, u.y * s};
 }
 
-}  // namespace metrolux::warp
+}  // namespace metrolux::core::warp

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A camera. Its densities are over the whole rendered window: a raster position is one of pixelCount() unit
 /// squares.
@@ -55,4 +55,4 @@ struct OrthographicParameters {
 };
 CameraPtr makeOrthographicCamera(const OrthographicParameters& parameters, const FilmWindow& window);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -13,7 +13,7 @@
 
 #include <optional>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A ray that leaves an endpoint.
 struct EndpointRay {
@@ -72,4 +72,4 @@ class Endpoint {
     virtual bool isDelta() const = 0;  ///< cannot be hit by a subpath (delta position or delta direction)
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

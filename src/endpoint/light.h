@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 class Shape;
 
@@ -66,4 +66,4 @@ class Light : public Endpoint {
 };
 using LightPtr = std::shared_ptr<Light>;
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -9,7 +9,7 @@
 
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A shape that emits the same radiance in all directions of its front side (where its geometric normal
 /// points). Keeps a plain pointer to the shape, which owns its light.
@@ -52,7 +52,7 @@ struct ConstantLightParameters {
 LightPtr makeConstantLight(const ConstantLightParameters& parameters);
 
 /// Environment from a latitude-longitude image, +y up in local space; interpolated bilinearly (Mitsuba 3's
-/// convention: texel centres in u, the first and last row lie on the poles; u = 0 is local -z, u = 1/4 is
+/// convention: texel centers in u, the first and last row lie on the poles; u = 0 is local -z, u = 1/4 is
 /// +x).
 struct EnvironmentMapParameters {
     Transform toWorld;          ///< may rotate, mirror and scale uniformly
@@ -75,7 +75,7 @@ struct SunSkyParameters {
     /// sun move along.
     float stretch = 1;
     float sunAperture = 0.5358f;  ///< the disc's angular diameter in degrees, in (0, 90)
-    /// Radiance of the disc at equal steps of area from its centre to its limb, linear between; one value is
+    /// Radiance of the disc at equal steps of area from its center to its limb, linear between; one value is
     /// a uniform disc.
     std::vector<Rgb> sunProfile;
 };
@@ -99,4 +99,4 @@ struct CollimatedLightParameters {
 };
 LightPtr makeCollimatedLight(const CollimatedLightParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

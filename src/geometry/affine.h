@@ -4,7 +4,7 @@
 
 #include <Imath/ImathVec.h>
 
-namespace metrolux {
+namespace metrolux::core {
 
 using Vec3d = Imath::V3d;
 
@@ -41,4 +41,4 @@ inline void boundsAround(const Vec3d& center, const Vec3d& extent, Vec3f& lower,
     }
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 #include "geometry/affine.h"
 #include "geometry/shape.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -113,4 +113,4 @@ ShapePtr makeCylinder(const Transform& toWorld, const Vec3f& p0, const Vec3f& p1
     return std::make_shared<Cylinder>(toWorld, p0, p1, radius, flipNormals);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

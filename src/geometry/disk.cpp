@@ -2,7 +2,7 @@
 #include "geometry/affine.h"
 #include "geometry/shape.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -77,4 +77,4 @@ ShapePtr makeDisk(const Transform& toWorld, bool flipNormals) {
     return std::make_shared<Disk>(toWorld, flipNormals);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 #include "base/frame.h"
 #include "base/math.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 class Shape;
 class Transform;
@@ -25,4 +25,4 @@ struct SurfaceInteraction {
     Vec3f toWorld(const Vec3f& v) const { return s * v.x + cross(ns, s) * v.y + ns * v.z; }
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

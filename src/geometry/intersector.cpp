@@ -12,7 +12,7 @@
 #include <mutex>
 #include <unordered_map>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -386,7 +386,7 @@ void load(const Ray* rays, int count, Rays& packet, int* valid) {
 
 /// What is the same for all packets.
 template <int N, class Rays>
-void initialise(Rays& packet) {
+void initialize(Rays& packet) {
     for (int k = 0; k < N; ++k) {
         packet.tnear[k] = packet.time[k] = 0;
         packet.mask[k] = ~0u;
@@ -399,7 +399,7 @@ template <class P>
 void intersectPackets(RTCScene scene, RayBatch& batch, Coherence coherence, Ray* analyticRays) {
     constexpr int N = P::kWidth;
     typename P::RayHits packet;
-    initialise<N>(packet.ray);
+    initialize<N>(packet.ray);
     alignas(64) int valid[N];
     QueryContext context;
     rtcInitIntersectContext(&context.embree);
@@ -422,7 +422,7 @@ template <class P>
 void occludedPackets(RTCScene scene, OcclusionBatch& batch) {
     constexpr int N = P::kWidth;
     typename P::Rays packet;
-    initialise<N>(packet);
+    initialize<N>(packet);
     alignas(64) int valid[N];
     QueryContext context;
     rtcInitIntersectContext(&context.embree);
@@ -550,4 +550,4 @@ void Intersector::bounds(Vec3f& lower, Vec3f& upper) const {
     if (!(lower.x <= upper.x)) lower = upper = Vec3f(0.0f);  // empty
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

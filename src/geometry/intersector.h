@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Rays traced, for --stats and progress. Counted per thread, summed when read.
 struct RayStatistics {
@@ -75,4 +75,4 @@ inline Vec3f offsetRayOrigin(const Vec3f& p, const Vec3f& ng, const Vec3f& direc
     return p + ng * (dot(ng, direction) < 0 ? -distance : distance);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 
 #include <array>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -49,4 +49,4 @@ ShapePtr makeCube(const Transform& toWorld, bool flipNormals) {
     return makeQuads(toWorld, flipNormals, corners, {Vec2f(0, 1), Vec2f(1, 1), Vec2f(1, 0), Vec2f(0, 0)});
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What a ray met, before anything of the surface is known: Intersector::interaction makes a point of it.
 struct RayHit {
@@ -46,4 +46,4 @@ enum class Coherence : uint8_t {
     High    ///< in packets traced as one bundle: they start and run close to each other, as camera rays do
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

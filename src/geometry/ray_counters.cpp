@@ -4,7 +4,7 @@
 #include <mutex>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -76,4 +76,4 @@ void RayCounters::reset() {
 RayStatistics Intersector::statistics() { return RayCounters::total(); }
 void Intersector::resetStatistics() { RayCounters::reset(); }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

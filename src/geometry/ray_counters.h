@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cstdint>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// One thread's counters, on a cache line of their own. Only that thread writes; readers may see a slightly
 /// old value.
@@ -61,4 +61,4 @@ class RayTimer {
     uint64_t rays_, timed_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 std::atomic<RayRecorder*> RayRecorder::active_{nullptr};
 
@@ -17,4 +17,4 @@ std::vector<std::span<const RecordedRay>> RayRecorder::byThread() const {
     return result;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

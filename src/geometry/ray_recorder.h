@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A ray query and its answer.
 struct RecordedRay {
@@ -47,4 +47,4 @@ class RayRecorder {
     tbb::enumerable_thread_specific<std::vector<RecordedRay>> rays_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

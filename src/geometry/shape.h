@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 class Bsdf;
 class Light;
@@ -117,15 +117,15 @@ class TriangleMesh final : public Shape {
     /// Asks for the memory that interaction() will read: first for what leads to the vertices, then for the
     /// vertices. Hints, for callers that have something else to do meanwhile.
     void prefetchFace(uint32_t triangle) const {
-        metrolux::prefetch(&indices[3 * size_t(triangle)]);
-        metrolux::prefetch(&faces_[triangle]);
+        metrolux::core::prefetch(&indices[3 * size_t(triangle)]);
+        metrolux::core::prefetch(&faces_[triangle]);
     }
     void prefetchVertices(uint32_t triangle) const {
         for (int corner = 0; corner < 3; ++corner) {
             const uint32_t v = indices[3 * size_t(triangle) + corner];
-            metrolux::prefetch(&positions[v]);
-            if (!normals.empty()) metrolux::prefetch(&normals[v]);
-            if (!uvs.empty()) metrolux::prefetch(&uvs[v]);
+            metrolux::core::prefetch(&positions[v]);
+            if (!normals.empty()) metrolux::core::prefetch(&normals[v]);
+            if (!uvs.empty()) metrolux::core::prefetch(&uvs[v]);
         }
     }
 
@@ -176,4 +176,4 @@ struct Instance {
     Transform toWorld;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

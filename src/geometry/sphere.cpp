@@ -3,7 +3,7 @@
 #include "geometry/affine.h"
 #include "geometry/shape.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -155,4 +155,4 @@ ShapePtr makeSphere(const Transform& toWorld, const Vec3f& center, float radius,
     return std::make_shared<Sphere>(toWorld, center, radius, flipNormals);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

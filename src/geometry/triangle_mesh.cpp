@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -251,4 +251,4 @@ Partials partials(const SurfaceInteraction& si) {
     return result;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -64,4 +64,4 @@ TrianglePoint pointOfQuadrilateral(std::span<const uint32_t> indices, uint32_t q
     return {quadrilateral + (second ? 1 : 0), {b[1], b[2]}};
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

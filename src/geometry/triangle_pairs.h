@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Two successive triangles of a mesh that share an edge, which they pass in opposite directions, are a pair:
 /// Embree can have them as one quadrilateral. Its vertices v0, v1, v3 are the first triangle, v2, v3, v1 the
@@ -33,4 +33,4 @@ TrianglePoint pointOfQuadrilateral(std::span<const uint32_t> indices, uint32_t q
 /// rounding do for a triangle without partner: pointOfQuadrilateral() looks.)
 inline bool onSecondTriangle(const Vec2f& uv) { return uv.x + uv.y > 1; }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

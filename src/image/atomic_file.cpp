@@ -11,7 +11,7 @@
 #include <fstream>
 #include <unistd.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -120,4 +120,4 @@ void writeTextFile(const fs::path& target, std::string_view text) {
     file.commit();
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

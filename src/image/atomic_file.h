@@ -2,7 +2,7 @@
 #include <filesystem>
 #include <string_view>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Replaces a file as a whole or not at all: the content goes to a temporary file in the same folder, which
 /// is flushed to disk and renamed. Without commit() the temporary file is removed again.
@@ -32,4 +32,4 @@ void removeLeftovers(const std::filesystem::path& target);
 /// Throws Error.
 void writeTextFile(const std::filesystem::path& target, std::string_view text);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

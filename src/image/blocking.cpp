@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace metrolux {
+namespace metrolux::core {
 
 BlockedErrorEstimate::BlockedErrorEstimate(uint32_t pixelCount) {
     const uint32_t count = std::min(pixelCount, kLargestSubset);
@@ -63,4 +63,4 @@ double BlockedErrorEstimate::relativeError() const {
     return std::sqrt(largest);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Error of a mean of passes that may be correlated, by blocking: Flyvbjerg & Petersen 1989, Error estimates
 /// on averages of correlated data. At level l the series is replaced by means of 2^l consecutive passes; the
@@ -61,4 +61,4 @@ class BlockedErrorEstimate {
     uint32_t passes_ = 0;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 constexpr int kTile = 16;
@@ -19,13 +19,13 @@ void checkSizes(const ImageData& a, const ImageData& b) {
                     b.height);
 }
 
-std::array<double, 3> colourAt(const ImageData& image, int x, int y) {
+std::array<double, 3> colorAt(const ImageData& image, int x, int y) {
     const float* p = image.at(x, y);
     if (image.channels >= 3) return {p[0], p[1], p[2]};
     return {p[0], p[0], p[0]};
 }
 
-bool isFiniteColour(const std::array<double, 3>& c) {
+bool isFiniteColor(const std::array<double, 3>& c) {
     return std::isfinite(c[0]) && std::isfinite(c[1]) && std::isfinite(c[2]);
 }
 
@@ -50,8 +50,8 @@ double errorOfMean(const std::vector<double>& sums, const std::vector<size_t>& c
     return std::sqrt(squares * n / (n - 1)) / static_cast<double>(total);
 }
 
-/// Position 0..1 on the scale of the heat map to a display colour.
-Rgb heatColour(float t) {
+/// Position 0..1 on the scale of the heat map to a display color.
+Rgb heatColor(float t) {
     static constexpr float kStops[6][3] = {{0.00f, 0.00f, 0.00f}, {0.08f, 0.12f, 0.55f},
                                            {0.55f, 0.10f, 0.60f}, {0.93f, 0.42f, 0.15f},
                                            {0.99f, 0.86f, 0.25f}, {1.00f, 1.00f, 1.00f}};
@@ -76,8 +76,8 @@ ImageDifference compareImages(const ImageData& a, const ImageData& b, double eps
     double sumA = 0, sumB = 0;
     for (int y = 0; y < a.height; ++y) {
         for (int x = 0; x < a.width; ++x) {
-            const std::array<double, 3> ca = colourAt(a, x, y), cb = colourAt(b, x, y);
-            if (!isFiniteColour(ca) || !isFiniteColour(cb)) {
+            const std::array<double, 3> ca = colorAt(a, x, y), cb = colorAt(b, x, y);
+            if (!isFiniteColor(ca) || !isFiniteColor(cb)) {
                 ++result.nonFinite;
                 continue;
             }
@@ -127,16 +127,16 @@ ImageData errorHeatMap(const ImageData& a, const ImageData& b, double epsilon) {
     map.pixels.reserve(static_cast<size_t>(a.width) * static_cast<size_t>(a.height) * 3);
     for (int y = 0; y < a.height; ++y) {
         for (int x = 0; x < a.width; ++x) {
-            const std::array<double, 3> ca = colourAt(a, x, y), cb = colourAt(b, x, y);
-            Rgb colour(0, 1, 0);
-            if (isFiniteColour(ca) && isFiniteColour(cb)) {
+            const std::array<double, 3> ca = colorAt(a, x, y), cb = colorAt(b, x, y);
+            Rgb color(0, 1, 0);
+            if (isFiniteColor(ca) && isFiniteColor(cb)) {
                 const double error = std::sqrt(relativeSquare(ca, cb, epsilon));
-                colour = heatColour(static_cast<float>(std::log10(std::max(error, 1e-3)) / 3 + 1));
+                color = heatColor(static_cast<float>(std::log10(std::max(error, 1e-3)) / 3 + 1));
             }
-            map.pixels.insert(map.pixels.end(), {colour.x, colour.y, colour.z});
+            map.pixels.insert(map.pixels.end(), {color.x, color.y, color.z});
         }
     }
     return map;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,10 +1,10 @@
 #pragma once
 #include "image/image_io.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
-/// How far image `a` is from reference `b`. Means are over pixels and colour channels alike (alpha is left
-/// out, a grey image counts as three equal channels). Pixels that are not finite in either image are left out
+/// How far image `a` is from reference `b`. Means are over pixels and color channels alike (alpha is left
+/// out, a gray image counts as three equal channels). Pixels that are not finite in either image are left out
 /// and counted.
 struct ImageDifference {
     double mse = 0;            ///< mean (a-b)^2
@@ -30,4 +30,4 @@ ImageDifference compareImages(const ImageData& a, const ImageData& b, double eps
 /// green where a pixel is not finite. Throws Error when the sizes differ.
 ImageData errorHeatMap(const ImageData& a, const ImageData& b, double epsilon = kRelMseEpsilon);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

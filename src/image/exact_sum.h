@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A sum in units of 2^-fractionBits, 128 bits.
 template <int fractionBits>
@@ -71,4 +71,4 @@ struct PixelSum {
     }
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -9,7 +9,7 @@
 #include <array>
 #include <cassert>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 constexpr int64_t kMostPixels = int64_t{1} << 28;
@@ -78,7 +78,7 @@ Vec2f Film::samplePosition(uint32_t pixel, const Vec2f& u, float& weight) const 
 }
 
 RasterRectangle Film::reach() const {
-    // From the centre of a pixel the filter reaches one radius.
+    // From the center of a pixel the filter reaches one radius.
     const float margin = filter_.radius() - 0.5f;
     const auto low = [&](int begin) { return std::max(0.0f, static_cast<float>(begin) - margin); };
     const auto high = [&](int end, int full) {
@@ -261,4 +261,4 @@ void Film::addSums(std::span<const PixelSum> sums, uint32_t passes, const Techni
     implementation_->errorKnown = false;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Technique that made a contribution, for the count of non-finite values.
 enum class Technique : uint8_t { Hit, Nee, Connect, Splat, Merge, Count };
@@ -47,7 +47,7 @@ class Film {
     int pixelCount() const { return window_.pixelCount(); }
 
     /// Raster position (pixels of the full image) for the eye subpath of pixel `pixel` (index in the window),
-    /// drawn from the reconstruction filter; `weight` is the filter's sign and normalisation, to be
+    /// drawn from the reconstruction filter; `weight` is the filter's sign and normalization, to be
     /// multiplied into the subpath's throughput.
     Vec2f samplePosition(uint32_t pixel, const Vec2f& u, float& weight) const;
 
@@ -116,4 +116,4 @@ class Film {
     std::shared_ptr<Implementation> implementation_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

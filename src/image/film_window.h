@@ -1,6 +1,6 @@
 #pragma once
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// The part of the image that is rendered, in pixels of the full image.
 struct FilmWindow {
@@ -9,4 +9,4 @@ struct FilmWindow {
     int pixelCount() const { return width * height; }
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/suggest.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 constexpr int kCellsPerUnit = 256;
@@ -102,16 +102,16 @@ ReconstructionFilter::ReconstructionFilter(Kind kind, const Parameters& paramete
         while (cell + 1 < static_cast<uint32_t>(cells) && absCdf_[cell + 1] < target) ++cell;
         guide_[i] = cell;
     }
-    // Half of the support on each side of the centre is always inside the image.
+    // Half of the support on each side of the center is always inside the image.
     if (!(signedCdf_.back() > 0)) throw Error("reconstruction filter: its integral is not positive");
 }
 
 ReconstructionFilter::Cut ReconstructionFilter::cut(int pixel, int size) const {
     const double cellsPerPixel = static_cast<double>(table_.size()) / (2.0 * radius_);
-    const double centre = pixel + 0.5;
+    const double center = pixel + 0.5;
     const double cells = static_cast<double>(table_.size());
-    return {std::clamp((radius_ - centre) * cellsPerPixel, 0.0, cells),
-            std::clamp((radius_ + size - centre) * cellsPerPixel, 0.0, cells)};
+    return {std::clamp((radius_ - center) * cellsPerPixel, 0.0, cells),
+            std::clamp((radius_ + size - center) * cellsPerPixel, 0.0, cells)};
 }
 
 float ReconstructionFilter::sample(int pixel, int size, float u, float& weight) const {
@@ -137,14 +137,14 @@ float ReconstructionFilter::sample(int pixel, int size, float u, float& weight) 
 }
 
 float ReconstructionFilter::evaluate(int pixel, int size, float x) const {
-    const float centre = static_cast<float>(pixel) + 0.5f;
+    const float center = static_cast<float>(pixel) + 0.5f;
     const float scale = static_cast<float>(table_.size()) / (2 * radius_);
-    const float position = (x - centre + radius_) * scale;
+    const float position = (x - center + radius_) * scale;
     if (!(position >= 0) || position >= static_cast<float>(table_.size()) || !(x >= 0) ||
         x > static_cast<float>(size))
         return 0;
     const float h = table_[static_cast<size_t>(position)];
-    if (isInside(centre, size)) return h / static_cast<float>(signedCdf_.back());
+    if (isInside(center, size)) return h / static_cast<float>(signedCdf_.back());
     const Cut range = cut(pixel, size);
     return h /
            static_cast<float>(interpolate(signedCdf_, range.upper) - interpolate(signedCdf_, range.lower));
@@ -178,4 +178,4 @@ ReconstructionFilter::Kind filterKind(const std::string& name) {
                 near.empty() ? "" : fmt::format(", did you mean '{}'?", near), fmt::join(known, ", "));
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Separable reconstruction filter, tabulated as a piecewise-constant function so that sampling and
 /// evaluation are exactly consistent: eye subpaths draw their raster position from |h| around their pixel,
-/// light subpaths splat with h. Near the border of the image the filter is cut off and renormalised (what a
+/// light subpaths splat with h. Near the border of the image the filter is cut off and renormalized (what a
 /// renderer that divides by the sum of weights converges to).
 class ReconstructionFilter {
   public:
@@ -40,14 +40,14 @@ class ReconstructionFilter {
         double lower, upper;
     };
     Cut cut(int pixel, int size) const;
-    /// Whether that is all of it, for a pixel with this centre.
-    bool isInside(float centre, int size) const {
-        return centre >= radius_ && centre + radius_ <= static_cast<float>(size);
+    /// Whether that is all of it, for a pixel with this center.
+    bool isInside(float center, int size) const {
+        return center >= radius_ && center + radius_ <= static_cast<float>(size);
     }
 
     Kind kind_;
     float radius_;
-    std::vector<float> table_;  // h at cell centres over [-radius, radius]
+    std::vector<float> table_;  // h at cell centers over [-radius, radius]
     std::vector<double> signedCdf_, absCdf_;
     std::vector<uint32_t> guide_;  // where to begin the search in absCdf_, for equal shares of its total
 };
@@ -58,4 +58,4 @@ const std::string& filterName(ReconstructionFilter::Kind kind);
 /// Throws Error for an unknown name, with the nearest known one.
 ReconstructionFilter::Kind filterKind(const std::string& name);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

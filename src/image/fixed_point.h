@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// RGB accumulators for concurrent adds. One integer unit would either overflow or lose faint light, so each
 /// term goes to the accumulator of its own magnitude. A term has at most 40 significant bits in its range, so
@@ -83,8 +83,8 @@ class FixedPointImage {
     /// Asks for the memory of some pixels of a line, of the ranges that most terms go to.
     void prefetch(size_t pixel, size_t count = 1) const {
         for (size_t range = 0; range < 2; ++range)
-            metrolux::prefetchToWrite(&sums_[kChannels * (range * pixels_ + pixel)],
-                                      kChannels * count * sizeof(int64_t));
+            metrolux::core::prefetchToWrite(&sums_[kChannels * (range * pixels_ + pixel)],
+                                            kChannels * count * sizeof(int64_t));
     }
 
     /// The sum of a pixel, which is reset to zero. Not for use while others add.
@@ -178,4 +178,4 @@ class FixedPointImage {
     std::vector<Tile> tiles_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <string_view>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -205,13 +205,13 @@ ImageData readImage(const fs::path& file, bool raw, MemoryBudget* memory) {
         image.pixels = selectChannels(image.pixels, spec.nchannels, selection);
 
     if (!raw && !spec.format.is_floating_point()) {
-        const int colours = image.channels % 2 == 0 ? image.channels - 1 : image.channels;
+        const int colors = image.channels % 2 == 0 ? image.channels - 1 : image.channels;
         // Files of 8 bits have 256 values: a table saves the power function for each texel.
         const bool bytes = spec.format == OIIO::TypeDesc::UINT8;
         std::array<float, 256> table;
         for (size_t v = 0; v < table.size(); ++v) table[v] = decodeSrgb(static_cast<float>(v) / 255.0f);
         for (size_t i = 0; i < image.pixels.size(); ++i) {
-            if (static_cast<int>(i % static_cast<size_t>(image.channels)) >= colours) continue;
+            if (static_cast<int>(i % static_cast<size_t>(image.channels)) >= colors) continue;
             float& value = image.pixels[i];
             value = bytes ? table[static_cast<size_t>(std::lround(value * 255.0f))] : decodeSrgb(value);
         }
@@ -297,4 +297,4 @@ void writePngRaw(const fs::path& file, const ImageData& image) {
     writePng8(file, image, bytes);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

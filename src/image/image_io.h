@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 struct ImageData {
     int width = 0, height = 0, channels = 0;
@@ -24,7 +24,7 @@ struct ImageData {
 /// bytes say (TGA has none: there it is the name). OpenImageIO's other readers, of video for example, are
 /// never asked: what such a file names may be on another machine.
 ///
-/// 1 channel is grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha; alpha is not multiplied into the colours, nor
+/// 1 channel is gray, 2 gray and alpha, 3 RGB, 4 RGB and alpha; alpha is not multiplied into the colors, nor
 /// divided out of them. Of a file with more channels R, G, B and A are taken. Integer pixels become linear
 /// (sRGB decoded) unless `raw`, which only scales them to [0, 1]; floating-point pixels are as in the file.
 /// Throws Error naming the file. The size is checked against the file's and against `memory`, where the
@@ -56,4 +56,4 @@ void writePng(const std::filesystem::path& file, const ImageData& image, float e
 /// The same without tone mapping: values in [0, 1] are display values.
 void writePngRaw(const std::filesystem::path& file, const ImageData& image);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What one light subpath contributes: to the pixel of an eye subpath (connections and merges), or to a
 /// raster position (connections to the camera), which the film spreads with its filter.
@@ -47,4 +47,4 @@ struct SplatList {
     }
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,6 +1,6 @@
 #include "image/tonemap.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 std::optional<ToneCurve> toneCurveFromName(std::string_view name) {
     if (name == "srgb") return ToneCurve::Srgb;
@@ -34,4 +34,4 @@ Rgb tonemap(const Rgb& linear, float exposure, ToneCurve curve) {
     return result;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string_view>
 
-namespace metrolux {
+namespace metrolux::core {
 
 enum class ToneCurve { Srgb, Filmic };
 
@@ -22,4 +22,4 @@ float filmicCurve(float linear);
 /// Linear scene value to encoded display value: exposure in stops, curve, sRGB encoding.
 Rgb tonemap(const Rgb& linear, float exposure, ToneCurve curve);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

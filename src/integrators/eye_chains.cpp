@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -102,8 +102,8 @@ EyeChains::EyeChains(const ReplicaSettings& settings, const FilmWindow& window)
 
 void EyeChains::begin(size_t samples, double radius) {
     squaredRadius_ = radius * radius;
-    lanes_.normalisation().update(squaredRadius_);
-    mix_ = lanes_.mixture(samples, lanes_.normalisation().visibleSamples() >= kVisibleSamples);
+    lanes_.normalization().update(squaredRadius_);
+    mix_ = lanes_.mixture(samples, lanes_.normalization().visibleSamples() >= kVisibleSamples);
     if (mix_.uniform > 0) mix_.invisibleWeight = 1 / mix_.uniform;
 }
 
@@ -134,7 +134,7 @@ void EyeChains::gather(EyeVertices& result) const {
 }
 
 nlohmann::json EyeChains::statistics() const {
-    return replicaStatistics(lanes_.settings(), lanes_.counts(), lanes_.normalisation());
+    return replicaStatistics(lanes_.settings(), lanes_.counts(), lanes_.normalization());
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 
 #include "integrators/light_chains.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What the primary sample of an eye subpath evaluates to. Coordinates of block 0: 0-1 the pixel, 2-3 the
 /// lens, 4-5 the position under the pixel's filter.
@@ -60,4 +60,4 @@ class EyeChains {
     double squaredRadius_ = 0;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

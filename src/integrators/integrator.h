@@ -2,7 +2,7 @@
 #include "base/state.h"
 #include "image/film.h"
 #include "markov/mutation.h"
-#include "markov/normalisation.h"
+#include "markov/normalization.h"
 #include "scene/scene.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Target F of the contribution replica.
 enum class ChainTarget {
@@ -33,7 +33,7 @@ struct IntegratorOptions {
     /// mcmc_vcm: statistical inefficiency g of the chains; a step counts as 1/g sample in all weights. Any
     /// value is unbiased.
     double chainInefficiency = 4;
-    bool correlationAware = true;          ///< vcm, mcmc_vcm: Strategies::mergeShare()
+    bool correlationAware = true;  ///< vcm, mcmc_vcm: Strategies::mergeShare()
     /// bdpt, vcm, mcmc_vcm: share of the light subpaths that are connected with an eye subpath, in (0, 1];
     /// absent: the integrator's own. Any value is unbiased.
     std::optional<double> connections;
@@ -42,7 +42,7 @@ struct IntegratorOptions {
     std::array<double, 3> split{1, 1, 1};  ///< mcmc_vcm, vpt, split_mcmc: n_U : n_V : n_F
     bool measuredSplit = false;            ///< mcmc_vcm: the split follows the noise that each replica makes
     ChainTarget target = ChainTarget::Luminance;                      ///< mcmc_vcm
-    NormalisationMethod normalisation = NormalisationMethod::Pooled;  ///< mcmc_vcm: of F
+    NormalizationMethod normalization = NormalizationMethod::Pooled;  ///< mcmc_vcm: of F
     bool pooledTheta = false;  ///< mcmc_vcm, vpt, split_mcmc: lanes share the adaptive kernel's theta
     /// mcmc_vcm, vpt, split_mcmc: which replicas take part (study of each alone); absent: all of the
     /// integrator's.
@@ -59,7 +59,7 @@ class Integrator {
     /// that loads it goes on bit for bit. loadState() throws Error for what it cannot use. See Resumable.
     virtual void saveState(StateWriter& writer) const = 0;
     virtual void loadState(StateReader& reader) = 0;
-    /// What a user may want to know: acceptance rates, normalisations, radius ...
+    /// What a user may want to know: acceptance rates, normalizations, radius ...
     virtual nlohmann::json statistics() const = 0;
     /// Short text for the progress line, may be empty.
     virtual std::string progressNote() const { return {}; }
@@ -74,4 +74,4 @@ std::vector<std::pair<std::string, std::string>> integratorList();
 std::unique_ptr<Integrator> makeIntegrator(const std::string& name, const Scene& scene,
                                            const IntegratorOptions& options);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace metrolux {
+namespace metrolux::core {
 
 PixelPartition::PixelPartition(const FilmWindow& window, const IntegratorOptions& options) {
     const std::vector<uint32_t> order = hilbertOrder(window.width, window.height);
@@ -34,13 +34,13 @@ PixelPartition::PixelPartition(const FilmWindow& window, const IntegratorOptions
 
 namespace {
 
-/// Follows an eye subpath to its first smooth surface and notes the distance travelled.
+/// Follows an eye subpath to its first smooth surface and notes the distance traveled.
 class FirstSmooth final : public SubpathVisitor {
   public:
-    double travelled = 0;
+    double traveled = 0;
     bool found = false;
     bool surface(const Vertex& v) override {
-        travelled += v.distanceToPrevious;
+        traveled += v.distanceToPrevious;
         found = v.bsdf().hasSmoothLobe();
         return !found && v.depth < 16;
     }
@@ -64,7 +64,7 @@ double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options
         traceEyeSubpath(scene, stream, options.limits, Strategies::path(),
                         Vec2f(w.x + u.x * w.width, w.y + u.y * w.height), 1, 0, visitor);
         if (!visitor.found) continue;
-        sum += scene.camera().pixelFootprint(static_cast<float>(visitor.travelled));
+        sum += scene.camera().pixelFootprint(static_cast<float>(visitor.traveled));
         ++count;
     }
     return count > 0 && sum > 0 ? kFootprints * sum / count : kFallbackFraction * scene.bounds().radius;
@@ -149,4 +149,4 @@ nlohmann::json IteratedIntegrator::iterationStatistics() const {
     return j;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Splits a pass into iterations whose stored eye vertices fit the memory bound. Each iteration covers a
 /// stratified part of the pixels, in the order of a Hilbert curve; together they cover every pixel once.
@@ -108,4 +108,4 @@ class IteratedIntegrator : public Integrator {
     VertexGrid grid_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -63,14 +63,14 @@ ReplicaSettings replicaSettings(const IntegratorOptions& options, const std::str
     s.measuredSplit = options.measuredSplit;
     if (s.measuredSplit && !s.contribution)
         throw Error("split: `auto` weighs the replicas of mcmc_vcm against each other, replica f among them");
-    s.normalisation = options.normalisation;
+    s.normalization = options.normalization;
     s.pooledTheta = options.pooledTheta;
     return s;
 }
 
 void LightChains::begin(size_t samples, double radius) {
     squaredRadius_ = radius * radius;
-    lanes_.normalisation().update(squaredRadius_);
+    lanes_.normalization().update(squaredRadius_);
     if (seeded_) {
         mix_ = lanes_.mixture(samples);
     } else {
@@ -103,13 +103,13 @@ void LightChains::plainRun(const LightPass& pass, Film& film, const Iteration& i
     // b_V from a handful of samples is biased, and q and the weights with it: uniform passes go on until it
     // is known to a sixteenth. (Mitsuba's roughdielectric sphere, 48x48, b_V = 1e-4: 4 to 10 % too dark after
     // 64 passes before.)
-    if (lanes_.normalisation().visibleSamples() < kVisibleSamples) return;
+    if (lanes_.normalization().visibleSamples() < kVisibleSamples) return;
     // The first passes that see light make q known. The next are made of uniform samples too, with the
     // weights of q: those of q = 1 make another F, whose b_F can be wrong by a factor of two or more for the
     // chains.
     const bool calibrated = seeded_;
     seedChains(iteration, sizes);
-    if (seeded_ && !calibrated) lanes_.normalisation().forgetSizes();
+    if (seeded_ && !calibrated) lanes_.normalization().forgetSizes();
     ready_ = calibrated;
 }
 
@@ -146,7 +146,7 @@ std::vector<Vec3f> LightChains::trails() const {
 }
 
 nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaCounts& counts,
-                                 const Normalisation& normalisation) {
+                                 const Normalization& normalization) {
     const auto estimate = [](const Estimate& e) {
         nlohmann::json j{{"value", e.value}};
         if (std::isfinite(e.standardError)) j["standard_error"] = e.standardError;
@@ -160,12 +160,12 @@ nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaC
                      {"replicas", lettersOf(settings)},
                      {"chain_inefficiency", settings.inefficiency},
                      {"kernel", settings.kernel == MutationKernel::Kind::Adaptive ? "adaptive" : "kelemen"},
-                     {"b_v", estimate(normalisation.visibilityEstimate())},
+                     {"b_v", estimate(normalization.visibilityEstimate())},
                      {"visibility_chain", chain(counts.visibility)},
                      {"exchange_uniform_visibility", counts.uniformSwaps},
                      {"states_replaced", counts.replaced}};
     if (settings.contribution) {
-        j["b_f"] = estimate(normalisation.contributionEstimate());
+        j["b_f"] = estimate(normalization.contributionEstimate());
         j["contribution_chain"] = chain(counts.contribution);
         const double tried = double(counts.swapsTried);
         j["exchange_visibility_contribution"] = {{"tried", counts.swapsTried},
@@ -175,7 +175,7 @@ nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaC
 }
 
 nlohmann::json LightChains::statistics() const {
-    nlohmann::json j = replicaStatistics(lanes_.settings(), lanes_.counts(), lanes_.normalisation());
+    nlohmann::json j = replicaStatistics(lanes_.settings(), lanes_.counts(), lanes_.normalization());
     j["split"] = lanes_.split();
     return j;
 }
@@ -185,7 +185,7 @@ std::string LightChains::progressNote() const {
     const ReplicaCounts counts = lanes_.counts();
     std::string note = fmt::format("acceptance V {:.2f}", counts.visibility.rate());
     if (lanes_.settings().contribution) note += fmt::format(" F {:.2f}", counts.contribution.rate());
-    return note + fmt::format(", b_V {:.2g}", lanes_.normalisation().visibility());
+    return note + fmt::format(", b_V {:.2g}", lanes_.normalization().visibility());
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

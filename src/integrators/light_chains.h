@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Visible uniform samples that b_V is to rest on before chains take part.
 inline constexpr double kVisibleSamples = 256;
@@ -27,7 +27,7 @@ ReplicaSettings replicaSettings(const IntegratorOptions& options, const std::str
 
 /// Statistics of a set of lanes, in the form of Integrator::statistics().
 nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaCounts& counts,
-                                 const Normalisation& normalisation);
+                                 const Normalization& normalization);
 
 /// The first passes are made of independent light subpaths, which give the first b_V and b_F; then each
 /// iteration's subpaths come from the replicas.
@@ -81,4 +81,4 @@ class LightChains {
     bool seeded_ = false, ready_ = false;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

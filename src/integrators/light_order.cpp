@@ -4,7 +4,7 @@
 
 #include <bit>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -62,4 +62,4 @@ std::vector<uint32_t> coherentLightOrder(const WalkRules& walk, size_t count,
     return order;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// An order of `count` light subpaths, given by their streams, in which those that start alike follow each
 /// other: their first edges, the splats and merges at their ends and what lies in memory there are near. Says
@@ -16,4 +16,4 @@ namespace metrolux {
 std::vector<uint32_t> coherentLightOrder(const WalkRules& walk, size_t count,
                                          const std::function<IndependentStream(size_t)>& streamOf);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -32,11 +32,11 @@ VisibilityLightSet::VisibilityLightSet(const IntegratorOptions& options, size_t 
 
 void VisibilityLightSet::begin(size_t samples, double radius) {
     squaredRadius_ = radius * radius;
-    normalisation_.update(squaredRadius_);
-    chainsRun_ = normalisation_.visibleSamples() >= kVisibleSamples;
+    normalization_.update(squaredRadius_);
+    chainsRun_ = normalization_.visibleSamples() >= kVisibleSamples;
     mix_ = {};
     mix_.inefficiency = inefficiency_;
-    mix_.bVisibility = normalisation_.visibility();
+    mix_.bVisibility = normalization_.visibility();
     mix_.uniform = double(chainsRun_ ? std::max<size_t>(1, samples / 2) : samples);
     mix_.visibility = chainsRun_ ? mix_.uniform : 0;
 }
@@ -67,12 +67,12 @@ std::vector<Vertex> VisibilityLightSet::make(const LightTracing& tracing, const 
     for (size_t i = 0; i < lanes_.size(); ++i) {
         Lane& lane = lanes_[i];
         all.insert(all.end(), lane.result.begin(), lane.result.end());
-        normalisation_.add(static_cast<int>(i), lane.samples);
+        normalization_.add(static_cast<int>(i), lane.samples);
         lane.samples.clear();
         lane.result.clear();
         lane.visible.clear();
     }
-    normalisation_.endIteration(squaredRadius_);
+    normalization_.endIteration(squaredRadius_);
     if (tracing.photons) tracing.photons->endIteration(mix_.uniform);
     return all;
 }
@@ -142,7 +142,7 @@ nlohmann::json VisibilityLightSet::statistics() const {
         accepted += lane.chain.kernel().accepted();
     }
     return {{"lanes", lanes_.size()},
-            {"b_v", normalisation_.visibility()},
+            {"b_v", normalization_.visibility()},
             {"tried", tried},
             {"acceptance", tried ? double(accepted) / double(tried) : 0.0}};
 }
@@ -211,4 +211,4 @@ std::vector<Vertex> StateLightSet::make(const LightTracing& tracing, size_t unif
     return all;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

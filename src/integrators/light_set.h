@@ -3,13 +3,13 @@
 
 #include "integrators/iteration.h"
 #include "markov/chain.h"
-#include "markov/normalisation.h"
+#include "markov/normalization.h"
 #include "markov/replica_mixture.h"
 #include "transport/photon_map.h"
 
 #include <nlohmann/json_fwd.hpp>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What light subpaths are traced with in an iteration.
 struct LightTracing {
@@ -45,7 +45,7 @@ class VisibilityLightSet {
     /// Between two iterations: states begin anew in each.
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(rng_, normalisation_);
+        archive(rng_, normalization_);
         serializeElements(archive, lanes_, "lanes");
     }
 
@@ -67,7 +67,7 @@ class VisibilityLightSet {
         State proposal;
         std::vector<std::pair<size_t, State>> visible;  ///< uniform samples of the iteration, with their step
         std::vector<Vertex> result;
-        Normalisation::Samples samples;
+        Normalization::Samples samples;
 
         template <class Archive>
         void serialize(Archive& archive) {
@@ -85,7 +85,7 @@ class VisibilityLightSet {
     CounterRng rng_;
     double inefficiency_;
     std::vector<Lane> lanes_;
-    Normalisation normalisation_;
+    Normalization normalization_;
     ReplicaMixture mix_;
     double squaredRadius_ = 0;
     bool chainsRun_ = false;
@@ -141,4 +141,4 @@ class StateLightSet {
     PhotonDensity chainMade_, uniform_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 #include "integrators/light_chains.h"
 #include "integrators/resumable.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -62,4 +62,4 @@ std::unique_ptr<Integrator> makeMcmcVcmIntegrator(const Scene& scene, const Inte
     return std::make_unique<McmcVcmIntegrator>(scene, options);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

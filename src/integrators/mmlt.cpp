@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -95,7 +95,7 @@ class MmltIntegrator final : public Resumable<MmltIntegrator> {
         return kLongPaths + static_cast<int>(extra);
     }
 
-    /// Samples of a pass among lengths, in proportion to their first normalisations, once for all passes.
+    /// Samples of a pass among lengths, in proportion to their first normalizations, once for all passes.
     void shareOut(const PathPair& pair) {
         double sum = 0;
         for (size_t i = 0; i < samplers_.size(); ++i) {
@@ -123,4 +123,4 @@ std::unique_ptr<Integrator> makeMmltIntegrator(const Scene& scene, const Integra
     return std::make_unique<MmltIntegrator>(scene, options);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

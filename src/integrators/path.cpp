@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -72,4 +72,4 @@ std::unique_ptr<Integrator> makeLightIntegrator(const Scene& scene, const Integr
     return std::make_unique<LightIntegrator>(scene, options);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,7 +1,7 @@
 #pragma once
 #include "integrators/integrator.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Unidirectional path tracing: hit and next-event estimation, balance heuristic.
 std::unique_ptr<Integrator> makePathIntegrator(const Scene& scene, const IntegratorOptions& options);
@@ -10,4 +10,4 @@ std::unique_ptr<Integrator> makePathIntegrator(const Scene& scene, const Integra
 /// Cannot see what the camera sees through delta lobes only.
 std::unique_ptr<Integrator> makeLightIntegrator(const Scene& scene, const IntegratorOptions& options);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

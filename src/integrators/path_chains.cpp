@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 double share(uint64_t a, uint64_t b) { return b ? double(a) / double(b) : 0.0; }
@@ -59,4 +59,4 @@ std::string acceptanceNote(const PathSampler::Counts& c) {
                        share(c.largeAccepted, c.largeTried));
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include "markov/metropolis.h"
 #include "transport/path_pair.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What a point of primary sample space contributes to the image.
 struct PathValue {
@@ -44,4 +44,4 @@ nlohmann::json chainStatistics(const IntegratorOptions& options);
 /// Acceptance rates, for the progress line.
 std::string acceptanceNote(const PathSampler::Counts& counts);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -68,4 +68,4 @@ std::unique_ptr<Integrator> makeVptIntegrator(const Scene& scene, const Integrat
     return std::make_unique<PhotonMappingIntegrator>(scene, options, true);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

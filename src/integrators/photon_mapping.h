@@ -1,7 +1,7 @@
 #pragma once
 #include "integrators/integrator.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Stochastic progressive photon mapping [Hachisuka & Jensen 2009], in the formulation of [Knaus & Zwicker
 /// 2011] (one radius for all pixels, RadiusSchedule). At the first vertex of an eye subpath that has a smooth
@@ -13,4 +13,4 @@ std::unique_ptr<Integrator> makeSppmIntegrator(const Scene& scene, const Integra
 /// replica.
 std::unique_ptr<Integrator> makeVptIntegrator(const Scene& scene, const IntegratorOptions& options);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -51,4 +51,4 @@ std::unique_ptr<Integrator> makePssmltIntegrator(const Scene& scene, const Integ
     return std::make_unique<PssmltIntegrator>(scene, options);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -9,7 +9,7 @@
 
 #include <optional>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -97,4 +97,4 @@ std::unique_ptr<Integrator> makePssmltMergeIntegrator(const Scene& scene, const 
     return std::make_unique<PssmltMergeIntegrator>(scene, options);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -12,7 +12,7 @@
 
 #include <functional>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -64,4 +64,4 @@ std::unique_ptr<Integrator> makeIntegrator(const std::string& name, const Scene&
                 near.empty() ? "" : fmt::format(", did you mean '{}'?", near), fmt::join(names, ", "));
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

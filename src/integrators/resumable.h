@@ -2,7 +2,7 @@
 #include "base/state_archive.h"
 #include "integrators/integrator.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// An integrator whose state is what its serialize(Archive&) names.
 template <class Derived, class Base = Integrator>
@@ -13,4 +13,4 @@ class Resumable : public Base {
     void loadState(StateReader& reader) final { reader(static_cast<Derived&>(*this)); }
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

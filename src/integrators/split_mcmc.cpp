@@ -3,7 +3,7 @@
 #include "integrators/eye_chains.h"
 #include "integrators/resumable.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -79,4 +79,4 @@ std::unique_ptr<Integrator> makeSplitMcmcIntegrator(const Scene& scene, const In
     return std::make_unique<SplitMcmcIntegrator>(scene, options);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -52,4 +52,4 @@ std::unique_ptr<Integrator> makeBdptIntegrator(const Scene& scene, const Integra
     return std::make_unique<VcmIntegrator>(scene, options, false);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,7 +1,7 @@
 #pragma once
 #include "integrators/integrator.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Vertex connection and merging [Geo12, HPJ12]: all techniques of ALGORITHM.md section 1, independent light
 /// subpaths.
@@ -10,4 +10,4 @@ std::unique_ptr<Integrator> makeVcmIntegrator(const Scene& scene, const Integrat
 /// Bidirectional path tracing [VG94, VG95]: the same without merging.
 std::unique_ptr<Integrator> makeBdptIntegrator(const Scene& scene, const IntegratorOptions& options);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <limits>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -74,4 +74,4 @@ void finishMesh(TriangleMesh& mesh, const std::filesystem::path& path, const Mes
     }
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <memory>
 
-namespace metrolux {
+namespace metrolux::core {
 
 struct MeshOptions {
     Transform toWorld;
@@ -45,4 +45,4 @@ void requireMemory(const std::filesystem::path& path, const MeshOptions& options
 /// Takes a mesh in object space to the world, settles its normals and finalizes it.
 void finishMesh(TriangleMesh& mesh, const std::filesystem::path& path, const MeshOptions& options);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

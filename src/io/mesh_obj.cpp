@@ -8,7 +8,7 @@
 #include <string_view>
 #include <tiny_obj_loader.h>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -46,7 +46,7 @@ void checkLines(const fs::path& path, std::string& text) {
         const bool face = keyword == "f";
         const size_t expected = keyword == "v" || keyword == "vn" || face ? 3 : keyword == "vt" ? 2 : 0;
         size_t count = 0;
-        // What follows the coordinates, weights and colours, is not used.
+        // What follows the coordinates, weights and colors, is not used.
         for (; expected > 0 && (face || count < expected); ++count) {
             const std::string_view word = nextWord(line);
             if (word.empty()) break;
@@ -195,4 +195,4 @@ std::shared_ptr<TriangleMesh> readObj(const fs::path& path, const MeshOptions& o
     return builder.finish(path);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

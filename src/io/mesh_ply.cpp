@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -232,4 +232,4 @@ std::shared_ptr<TriangleMesh> readPly(const fs::path& path, const MeshOptions& o
     return Reader(path, file, options).read();
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -7,7 +7,7 @@
 #include <cstring>
 #include <zlib.h>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -161,8 +161,8 @@ std::shared_ptr<TriangleMesh> readSerialized(const fs::path& path, int shapeInde
     in.expect(vertexCount, doublePrecision ? 24 : 12, "vertices");
     in.expect(faceCount, 12, "faces");
 
-    const bool coloured = (flags & kHasColors) != 0;
-    requireMemory(path, options, vertexCount, coloured ? 48 : 36, "the vertices");
+    const bool colored = (flags & kHasColors) != 0;
+    requireMemory(path, options, vertexCount, colored ? 48 : 36, "the vertices");
     requireMemory(path, options, faceCount, 12, "the faces");
 
     auto mesh = std::make_shared<TriangleMesh>();
@@ -184,4 +184,4 @@ std::shared_ptr<TriangleMesh> readSerialized(const fs::path& path, int shapeInde
     return mesh;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstring>
 
-namespace metrolux::ply {
+namespace metrolux::core::ply {
 
 namespace {
 
@@ -239,4 +239,4 @@ void Values::throwTruncated() const {
     throw Error("{}: truncated within element \"{}\"", path_.string(), element_->name);
 }
 
-}  // namespace metrolux::ply
+}  // namespace metrolux::core::ply

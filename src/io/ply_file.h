@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace metrolux::ply {
+namespace metrolux::core::ply {
 
 enum class Type { Int8, UInt8, Int16, UInt16, Int32, UInt32, Float32, Float64 };
 
@@ -71,4 +71,4 @@ class Values {
     const Element* element_ = nullptr;
 };
 
-}  // namespace metrolux::ply
+}  // namespace metrolux::core::ply

@@ -3,7 +3,7 @@
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/parser.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using namespace mitsuba;
@@ -149,4 +149,4 @@ SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& optio
     return parts;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

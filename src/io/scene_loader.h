@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 struct LoadOptions {
     std::map<std::string, std::string> defines;  ///< -D name=value: override <default>s
@@ -22,4 +22,4 @@ struct LoadOptions {
 SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,
                      std::vector<std::filesystem::path>* files = nullptr);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A state with the value that its primary sample evaluates to. `weight` collects the expected-value weights
 /// [Kel02; Veach97] that the state has earned and that its owner has still to pay out.
@@ -144,4 +144,4 @@ bool exchangeReplicas(MarkovChain<Value, TargetA>& a, MarkovChain<Value, TargetB
     return true;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

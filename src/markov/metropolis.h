@@ -7,14 +7,14 @@
 #include "markov/replica_mixture.h"
 #include "markov/start_pool.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 struct MetropolisOptions {
     uint64_t key = 0;  ///< of all random numbers
     int lanes = 8;     ///< independent chains; the result depends on it, not on the number of threads
     MutationKernel::Kind kind = MutationKernel::Kind::Kelemen;
     double largeStep = 0.3;         ///< probability of a uniform proposal
-    size_t steeringSamples = 4096;  ///< for the normalisation in the weights
+    size_t steeringSamples = 4096;  ///< for the normalization in the weights
     size_t poolSamples = 16384;     ///< for the start of the chains
     /// Adaptive kernel: mutations of each lane that theta is adapted to, before the chains count. kAlways: no
     /// training, theta adapts for ever.
@@ -37,9 +37,9 @@ struct Unobserved {
 /// paid with their expected values.
 ///
 /// Start. Chains start from uniform samples drawn in proportion to F, and their weights carry the mean of F
-/// over those samples (StartPool) in place of the unknown normalisation. Large steps enlarge the pool; once
+/// over those samples (StartPool) in place of the unknown normalization. Large steps enlarge the pool; once
 /// it has doubled, the chains start again from it. So every run is unbiased, and the error of the
-/// normalisation falls with the number of all uniform samples. The b in W comes from samples of its own: it
+/// normalization falls with the number of all uniform samples. The b in W comes from samples of its own: it
 /// steers weights only, and were it one with the pool's mean, W would be a function of the samples that it
 /// weighs.
 ///
@@ -302,4 +302,4 @@ auto MetropolisSampler<Value>::counts() const -> Counts {
     return sum;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace metrolux {
+namespace metrolux::core {
 
 float MutationKernel::mutated(float x, CounterRng& rng) const {
     // Both branches of eq. 4, and of [Kel02]'s, are a function of a uniform number, with a sign.
@@ -39,4 +39,4 @@ void MutationKernel::adapt(bool accepted) {
     theta_ = std::clamp(theta_, kMinimalTheta, kMaximalTheta);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Symmetric mutation of every coordinate, with wrap-around.
 class MutationKernel {
@@ -65,4 +65,4 @@ inline float wrapUnit(float x) {
     return std::min(x, kOneMinusEpsilon);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

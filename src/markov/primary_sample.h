@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A point of primary sample space: the coordinates that have been asked for so far.
 using PrimarySample = std::vector<float>;
@@ -41,4 +41,4 @@ class PrimarySampleStream final : public SampleStream {
     size_t position_ = 0;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include "base/distribution.h"
 #include "base/parallel.h"
 #include "markov/chain.h"
-#include "markov/normalisation.h"
+#include "markov/normalization.h"
 #include "markov/replica_mixture.h"
 #include "markov/split_estimator.h"
 #include "sampling/streams.h"
@@ -17,7 +17,7 @@
 #include <optional>
 #include <span>
 
-namespace metrolux {
+namespace metrolux::core {
 
 struct ReplicaSettings {
     uint64_t seed = 0;
@@ -28,7 +28,7 @@ struct ReplicaSettings {
     /// n_U : n_V : n_F, positive; those of replicas that do not take part are ignored.
     std::array<double, 3> split{1, 1, 1};
     bool measuredSplit = false;  ///< SplitEstimator goes on from `split`
-    NormalisationMethod normalisation = NormalisationMethod::Pooled;
+    NormalizationMethod normalization = NormalizationMethod::Pooled;
     bool pooledTheta = false;  ///< lanes share theta of the adaptive kernel after each iteration
     /// The same with 0 for those that do not take part.
     std::array<double, 3> splitInUse() const {
@@ -75,24 +75,24 @@ class ReplicaLanes {
     using State = MarkovState<Value>;
 
     explicit ReplicaLanes(const ReplicaSettings& settings)
-        : settings_(settings), normalisation_(settings.normalisation), split_(settings.splitInUse()) {
+        : settings_(settings), normalization_(settings.normalization), split_(settings.splitInUse()) {
         for (int i = 0; i < settings.lanes; ++i) {
             lanes_.emplace_back(settings.seed, i, settings.kernel);
-            lanes_.back().samples = normalisation_.newSamples();
+            lanes_.back().samples = normalization_.newSamples();
         }
     }
 
     const ReplicaSettings& settings() const { return settings_; }
     size_t size() const { return lanes_.size(); }
-    Normalisation& normalisation() { return normalisation_; }
-    const Normalisation& normalisation() const { return normalisation_; }
+    Normalization& normalization() { return normalization_; }
+    const Normalization& normalization() const { return normalization_; }
 
-    /// Counts and normalisations of an iteration of about so many samples; each lane takes its part of every
+    /// Counts and normalizations of an iteration of about so many samples; each lane takes its part of every
     /// replica in use. Without `chains`: uniform samples alone.
     ReplicaMixture mixture(size_t samples, bool chains = true) const {
         ReplicaMixture mix;
-        mix.bVisibility = normalisation_.visibility();
-        mix.bContribution = normalisation_.contribution();
+        mix.bVisibility = normalization_.visibility();
+        mix.bContribution = normalization_.contribution();
         mix.inefficiency = settings_.inefficiency;
         const std::array<double, 3> parts = chains ? split() : std::array<double, 3>{1, 0, 0};
         const auto count = [&](double part) {  // the same number in every lane
@@ -151,10 +151,10 @@ class ReplicaLanes {
     /// Closes the iteration, made with this squared radius.
     void endIteration(double squaredRadius) {
         for (size_t i = 0; i < lanes_.size(); ++i) {
-            normalisation_.add(static_cast<int>(i), lanes_[i].samples);
+            normalization_.add(static_cast<int>(i), lanes_[i].samples);
             lanes_[i].samples.clear();
         }
-        normalisation_.endIteration(squaredRadius);
+        normalization_.endIteration(squaredRadius);
         if (settings_.pooledTheta) shareTheta();
         if (settings_.measuredSplit && sawChains_) {
             for (Lane& lane : lanes_) split_.add(lane.squares);
@@ -167,7 +167,7 @@ class ReplicaLanes {
     template <class Archive>
     void serialize(Archive& archive) {
         serializeElements(archive, lanes_, "lanes");
-        archive(normalisation_, split_);
+        archive(normalization_, split_);
     }
 
     ReplicaCounts counts() const {
@@ -248,7 +248,7 @@ class ReplicaLanes {
         Proposal forVisibility, forContribution;
         bool fresh = false;  ///< the visibility replica has received a uniform sample in this step
         uint64_t swapsTried = 0, swapsMade = 0, uniformSwaps = 0, replaced = 0;
-        Normalisation::Samples samples;
+        Normalization::Samples samples;
         SplitEstimator::Squares squares;
 
         template <class Archive>
@@ -459,7 +459,7 @@ class ReplicaLanes {
         if (v.value.visible()) lane.samples.addVisibility(v.value.size);
     }
 
-    /// These samples enter the normalisations by Bennett's ratio only.
+    /// These samples enter the normalizations by Bennett's ratio only.
     template <class Model>
     void contributionStep(Model& model, size_t index, const ReplicaMixture& mix) {
         Lane& lane = lanes_[index];
@@ -515,9 +515,9 @@ class ReplicaLanes {
 
     ReplicaSettings settings_;
     std::vector<Lane> lanes_;
-    Normalisation normalisation_;
+    Normalization normalization_;
     SplitEstimator split_;
     bool sawChains_ = false;  ///< in this iteration
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,6 +1,6 @@
 #pragma once
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Samples of each replica in an iteration, and the balance heuristic across replicas: W(u) of ALGORITHM.md
 /// section 3.
@@ -15,7 +15,7 @@ struct ReplicaMixture {
     /// of the pool, chosen in proportion to the target, E[mean of the target over the pool * h(state)] is the
     /// integral of target * h for any h: weights with these factors have no start-up bias [Veach & Guibas
     /// 1997, section 5.1], and errors of b_V and b_F cost efficiency only. 1 for chains in equilibrium with
-    /// exact normalisations.
+    /// exact normalizations.
     double visibilityScale = 1, contributionScale = 1;
     /// Weight of an invisible uniform sample: 0 where what is invisible contributes nothing, 1 / n_U where it
     /// may (no other replica makes it).
@@ -43,4 +43,4 @@ struct ReplicaMixture {
     }
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

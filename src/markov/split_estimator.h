@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// With the balance heuristic over n'_k effective samples of densities p_k, the noise of a pass is about
 /// M = integral of f^2 / (sum of n'_k p_k), a convex function of the n'_k whose derivatives are
@@ -89,4 +89,4 @@ class SplitEstimator {
     uint64_t iterations_ = 0, batchLength_ = 4;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

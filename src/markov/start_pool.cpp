@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace metrolux {
+namespace metrolux::core {
 
 void StartPool::add(std::span<const UniformSample> visible, size_t drawn, CounterRng& rng) {
     drawn_ += drawn;
@@ -37,4 +37,4 @@ double StartPool::standardError() const {
     return std::sqrt(std::max(0.0, sumOfSquares_ / n - m * m) / (n - 1));
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

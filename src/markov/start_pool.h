@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A uniform sample that is worth remembering: the key that makes it again (uniformSample()) and its target.
 struct UniformSample {
@@ -47,4 +47,4 @@ class StartPool {
     double sum_ = 0, sumOfSquares_ = 0;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 constexpr int kStrataPerAxis = 4;
@@ -85,4 +85,4 @@ std::vector<ImageLayer> renderAovs(const Scene& scene, const std::vector<Aov>& w
 
 ImageLayer varianceLayer(const Film& film) { return {"variance", {"Y"}, film.variance()}; }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

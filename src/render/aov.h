@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What can be written beside the image, as layers of an EXR.
 enum class Aov {
@@ -27,4 +27,4 @@ inline constexpr int kAovSamples = 16;
 /// The layer of Film::variance().
 ImageLayer varianceLayer(const Film& film);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

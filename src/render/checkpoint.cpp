@@ -11,7 +11,7 @@
 #include <fstream>
 #include <zlib.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -210,4 +210,4 @@ std::vector<std::string> differences(const nlohmann::json& found, const nlohmann
     return result;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Everything that a rendering needs to go on, but for the scene's files.
 struct Checkpoint {
@@ -55,4 +55,4 @@ nlohmann::json fingerprints(const std::vector<std::filesystem::path>& files);
 /// What differs between two identities, one line for each difference; empty if they are the same.
 std::vector<std::string> differences(const nlohmann::json& found, const nlohmann::json& expected);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

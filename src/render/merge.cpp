@@ -3,7 +3,7 @@
 #include "base/error.h"
 #include "base/state_archive.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 void PartMerger::add(const std::string& name, const Checkpoint& part) {
     const nlohmann::json identity = nlohmann::json::parse(part.identity);
@@ -50,4 +50,4 @@ std::vector<uint32_t> PartMerger::missing() const {
     return result;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

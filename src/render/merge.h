@@ -6,7 +6,7 @@
 
 #include <map>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Joins the checkpoints of streams that were rendered apart. Sums are exact, so that the image is that of
 /// one process which rendered all of them.
@@ -37,4 +37,4 @@ class PartMerger {
     std::map<uint32_t, std::string> origin_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

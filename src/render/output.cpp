@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cctype>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -77,4 +77,4 @@ OutputSet::RescueResult OutputSet::writeOrRescue(const RenderedFrame& frame) con
     return result;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

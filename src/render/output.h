@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// An image with what belongs to it.
 struct RenderedFrame {
@@ -43,4 +43,4 @@ class OutputSet {
     Display display_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 
 #include <optional>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 std::optional<StopReason> reached(const RenderLimits& limits, const PassReport& report) {
@@ -68,4 +68,4 @@ StopReason renderPasses(Integrator& integrator, Film& film, const RenderLimits& 
     }
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// When to stop; the first limit that is reached counts. Zero: no such limit.
 struct RenderLimits {
@@ -42,4 +42,4 @@ struct PassLoopHooks {
 StopReason renderPasses(Integrator& integrator, Film& film, const RenderLimits& limits,
                         const PassLoopHooks& hooks);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 constexpr double kTerminalInterval = 0.1;
@@ -64,4 +64,4 @@ void ProgressReporter::finish() {
     lineOpen_ = false;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// "0.8 s", "2 min 05 s", "3 h 20 min".
 std::string durationText(double seconds);
@@ -35,4 +35,4 @@ class ProgressReporter {
     bool lineOpen_ = false;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -13,7 +13,7 @@
 
 #include <map>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 nlohmann::json numberOrNull(double value) {
@@ -97,7 +97,7 @@ nlohmann::json RenderSession::identity() const {
         {"method", std::string(1, o.mergeMethod)},
         {"split", o.measuredSplit ? nlohmann::json("auto") : nlohmann::json(o.split)},
         {"target", o.target == ChainTarget::Relative ? "relative" : "luminance"},
-        {"normalisation", o.normalisation == NormalisationMethod::Bennett ? "bennett" : "pooled"},
+        {"normalization", o.normalization == NormalizationMethod::Bennett ? "bennett" : "pooled"},
         {"theta", o.pooledTheta ? "pooled" : "lane"},
         {"lanes", o.lanes},
         {"iterations_per_pass", PixelPartition(w, o).parts()}};
@@ -283,4 +283,4 @@ nlohmann::json RenderSession::statistics(const Snapshot& now, StopReason reason)
     };
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

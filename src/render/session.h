@@ -11,7 +11,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Where and when the state is saved, and what a later process needs to know.
 struct CheckpointOptions {
@@ -111,4 +111,4 @@ class RenderSession {
     std::string checkpointFailure_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -7,7 +7,7 @@
 
 #include <map>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 /// Time between two meetings: what is written next decides.
@@ -110,4 +110,4 @@ void RenderSession::report(const TeamResult& all, double seconds, SessionResult&
     }
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

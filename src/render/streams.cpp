@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-namespace metrolux {
+namespace metrolux::core {
 
 uint64_t streamSeed(uint64_t seed, uint32_t stream, uint32_t count) {
     constexpr uint64_t kPurpose = 0x73747265616d;
@@ -140,4 +140,4 @@ void StreamedIntegrator::loadState(StateReader& reader) {
     restore(std::move(saved));
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

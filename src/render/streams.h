@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// That a rendering may be divided into.
 inline constexpr uint32_t kMostStreams = 1 << 20;
@@ -88,4 +88,4 @@ class StreamedIntegrator final : public Integrator {
     std::unique_ptr<Integrator> integrator_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

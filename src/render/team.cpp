@@ -13,7 +13,7 @@
 #include <mpi.h>
 #endif
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 /// Number of processes that a launcher says it has started: Open MPI, MPICH and its relatives, Slurm's srun
@@ -169,4 +169,4 @@ std::unique_ptr<Team> makeTeam() {
 #endif
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

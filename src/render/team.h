@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What the processes have rendered, summed; complete on rank 0, elsewhere only the flags are set.
 struct TeamResult {
@@ -48,4 +48,4 @@ class Team {
 /// there are several and the program was built without MPI.
 std::unique_ptr<Team> makeTeam();
 
-}  // namespace metrolux
+}  // namespace metrolux::core

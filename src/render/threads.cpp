@@ -2,11 +2,11 @@
 
 #include <tbb/info.h>
 
-namespace metrolux {
+namespace metrolux::core {
 
 ThreadLimit::ThreadLimit(int threads)
     : threads_(threads > 0 ? threads : tbb::info::default_concurrency()),
       control_(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(threads_)),
       arena_(threads_) {}
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Limits how many threads work while it lives, Embree's building of its tree included.
 class ThreadLimit {
@@ -21,4 +21,4 @@ class ThreadLimit {
     tbb::task_arena arena_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

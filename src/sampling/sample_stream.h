@@ -1,7 +1,7 @@
 #pragma once
 #include "base/math.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// The only source of randomness of transport (Lightmetrica v3, Tungsten): a subpath is a function of a
 /// stream.
@@ -27,4 +27,4 @@ class SampleStream {
     }
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,6 +1,6 @@
 #include "sampling/sobol.h"
 
-namespace metrolux::sobol {
+namespace metrolux::core::sobol {
 
 // Plain loops over independent elements: the compiler makes vectors of them.
 
@@ -18,4 +18,4 @@ void points2D(std::span<const uint64_t> keyHashes, uint32_t reversedIndex, uint6
     for (size_t i = 0; i < n; ++i) point2D(extendKey(keys[i], coordinate), reversedIndex, x[i], y[i]);
 }
 
-}  // namespace metrolux::sobol
+}  // namespace metrolux::core::sobol

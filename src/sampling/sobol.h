@@ -4,7 +4,7 @@
 #include <span>
 
 /// The arithmetic of SobolStream, and the same for many streams at once.
-namespace metrolux::sobol {
+namespace metrolux::core::sobol {
 
 constexpr uint32_t reverseBits(uint32_t x) {
     x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
@@ -64,4 +64,4 @@ void points1D(std::span<const uint64_t> keyHashes, uint32_t reversedIndex, uint6
 void points2D(std::span<const uint64_t> keyHashes, uint32_t reversedIndex, uint64_t coordinate, float* x,
               float* y);
 
-}  // namespace metrolux::sobol
+}  // namespace metrolux::core::sobol

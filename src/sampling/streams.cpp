@@ -2,7 +2,7 @@
 
 #include "sampling/sobol.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 SobolStream::SobolStream(uint64_t key, uint32_t index)
     : keyHash_(hashKey(key)), reversedIndex_(sobol::reverseBits(index)) {}
@@ -23,4 +23,4 @@ Vec2f SobolStream::next2D() {
     return point;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 #include "base/rng.h"
 #include "sampling/sample_stream.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What a random stream is for: part of its key, so that no two purposes share numbers.
 enum class StreamPurpose : uint64_t {
@@ -73,4 +73,4 @@ class SobolStream final : public SampleStream {
     uint64_t coordinate_ = 0;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

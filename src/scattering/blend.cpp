@@ -2,7 +2,7 @@
 
 #include "scattering/parameter.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class Blend final : public Bsdf {
@@ -29,8 +29,8 @@ class Blend final : public Bsdf {
         const float w = weight(si);
         const BsdfEvaluation a = w < 1 ? first_->evaluate(si, wEye, wLight) : BsdfEvaluation{};
         const BsdfEvaluation b = w > 0 ? second_->evaluate(si, wEye, wLight) : BsdfEvaluation{};
-        return {lerp(w, a.value, b.value), metrolux::lerp(w, a.pdfLight, b.pdfLight),
-                metrolux::lerp(w, a.pdfEye, b.pdfEye)};
+        return {lerp(w, a.value, b.value), metrolux::core::lerp(w, a.pdfLight, b.pdfLight),
+                metrolux::core::lerp(w, a.pdfEye, b.pdfEye)};
     }
 
     Rgb albedo(const SurfaceInteraction& si) const override {
@@ -54,4 +54,4 @@ class Blend final : public Bsdf {
 
 BsdfPtr makeBlend(const BlendParameters& parameters) { return std::make_shared<Blend>(parameters); }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 #include "scattering/bsdf.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// (1 - weight) * first + weight * second.
 struct BlendParameters {
@@ -11,4 +11,4 @@ struct BlendParameters {
 };
 BsdfPtr makeBlend(const BlendParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -23,7 +23,7 @@
 #include <memory>
 #include <optional>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What the subpath that samples transports.
 enum class TransportMode : uint8_t {
@@ -114,4 +114,4 @@ class Bsdf {
 };
 using BsdfPtr = std::shared_ptr<const Bsdf>;
 
-}  // namespace metrolux
+}  // namespace metrolux::core

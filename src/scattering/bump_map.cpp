@@ -2,7 +2,7 @@
 
 #include "geometry/shape.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class BumpMap final : public PerturbedBsdf {
@@ -32,4 +32,4 @@ class BumpMap final : public PerturbedBsdf {
 
 BsdfPtr makeBumpMap(const BumpMapParameters& parameters) { return std::make_shared<BumpMap>(parameters); }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

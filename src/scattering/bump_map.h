@@ -2,7 +2,7 @@
 #include "scattering/perturbed.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A nested model on a surface displaced by a height texture, as far as the shading normal shows it.
 struct BumpMapParameters {
@@ -13,4 +13,4 @@ struct BumpMapParameters {
 };
 BsdfPtr makeBumpMap(const BumpMapParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 
 #include "scattering/metal.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class Conductor final : public Bsdf {
@@ -40,4 +40,4 @@ BsdfPtr makeConductor(const ConductorParameters& parameters) {
     return std::make_shared<Conductor>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 #include "scattering/bsdf.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A smooth metal on the side of the normal; the other side is black. The defaults are a perfect mirror.
 struct ConductorParameters {
@@ -12,4 +12,4 @@ struct ConductorParameters {
 };
 BsdfPtr makeConductor(const ConductorParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

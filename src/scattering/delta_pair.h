@@ -3,7 +3,7 @@
 
 #include "scattering/bsdf.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 class DeltaPair : public Bsdf {
   public:
@@ -37,4 +37,4 @@ class DeltaPair : public Bsdf {
     }
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

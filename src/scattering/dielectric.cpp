@@ -5,7 +5,7 @@
 #include "scattering/fresnel.h"
 #include "scattering/parameter.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class Dielectric final : public DeltaPair {
@@ -42,4 +42,4 @@ BsdfPtr makeDielectric(const DielectricParameters& parameters) {
     return std::make_shared<Dielectric>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

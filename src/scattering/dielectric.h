@@ -2,7 +2,7 @@
 #include "scattering/bsdf.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A smooth interface between two dielectrics; the normal points to the exterior.
 struct DielectricParameters {
@@ -13,4 +13,4 @@ struct DielectricParameters {
 /// Throws Error unless eta is positive and finite.
 BsdfPtr makeDielectric(const DielectricParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

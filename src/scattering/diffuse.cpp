@@ -3,7 +3,7 @@
 #include "base/warp.h"
 #include "scattering/parameter.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class Diffuse final : public Bsdf {
@@ -36,4 +36,4 @@ class Diffuse final : public Bsdf {
 
 BsdfPtr makeDiffuse(const DiffuseParameters& parameters) { return std::make_shared<Diffuse>(parameters); }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 #include "scattering/bsdf.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Lambertian reflection on the side of the normal; the other side is black.
 struct DiffuseParameters {
@@ -10,4 +10,4 @@ struct DiffuseParameters {
 };
 BsdfPtr makeDiffuse(const DiffuseParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

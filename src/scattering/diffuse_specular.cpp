@@ -1,6 +1,6 @@
 #include "scattering/diffuse_specular.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 Rgb maximum(const ColorParameter& color) {
@@ -30,4 +30,4 @@ DiffuseSpecular::DiffuseSpecular(TexturePtr diffuse, float defaultDiffuse, Textu
     specularProbability_ = s > 0 ? s / (d + s) : 0.0f;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,13 +1,13 @@
 #pragma once
 #include "scattering/parameter.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// The two reflectances of the models that Mitsuba 0.6 knew before microfacets, which do not conserve energy
 /// by themselves.
 class DiffuseSpecular {
   public:
-    /// Scales both colours when their largest sum exceeds 1 (to 0.99). Texels are looked at where a texture
+    /// Scales both colors when their largest sum exceeds 1 (to 0.99). Texels are looked at where a texture
     /// has a resolution; otherwise its mean stands for it.
     DiffuseSpecular(TexturePtr diffuse, float defaultDiffuse, TexturePtr specular, float defaultSpecular);
 
@@ -22,4 +22,4 @@ class DiffuseSpecular {
     float specularProbability_ = 0;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,6 +1,6 @@
 #include "scattering/fresnel.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 float conductorReflectance(float cosine, float eta, float k) {
@@ -31,4 +31,4 @@ float fresnelDiffuseReflectance(float eta) {
     return ((((-1.36881f * r + 4.98554f) * r - 7.80989f) * r + 6.75335f) * r - 3.4793f) * r + 0.919317f;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

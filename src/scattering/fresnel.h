@@ -1,9 +1,9 @@
 #pragma once
-/// Fresnel equations at a smooth interface, unpolarised light (Born & Wolf 1999, sections 1.5 and 14.2).
+/// Fresnel equations at a smooth interface, unpolarized light (Born & Wolf 1999, sections 1.5 and 14.2).
 
 #include "base/math.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Reflectance of a dielectric interface. `cosThetaI` is signed: positive on the side of the normal, where
 /// the index is that of the exterior; `eta` is interior over exterior. Returns the reflectance; sets the
@@ -44,4 +44,4 @@ inline Rgb schlickMean(const Rgb& f0) { return f0 * (20.0f / 21.0f) + Rgb(1.0f /
 /// Irving 2011 (the constants that Mitsuba 3 uses; relative error below 1 % for indices up to 2).
 float fresnelDiffuseReflectance(float eta);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 #include <array>
 #include <cctype>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 struct NamedIor {
@@ -108,4 +108,4 @@ std::vector<std::string> conductorNames() {
     return result;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

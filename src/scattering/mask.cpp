@@ -3,7 +3,7 @@
 #include "scattering/null_bsdf.h"
 #include "scattering/parameter.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class Mask final : public Bsdf {
@@ -51,4 +51,4 @@ class Mask final : public Bsdf {
 
 BsdfPtr makeMask(const MaskParameters& parameters) { return std::make_shared<Mask>(parameters); }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 #include "scattering/bsdf.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A surface that is there with the weight `opacity` (clamped to [0, 1]) and lets the rest pass straight on.
 struct MaskParameters {
@@ -11,4 +11,4 @@ struct MaskParameters {
 };
 BsdfPtr makeMask(const MaskParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

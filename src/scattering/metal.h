@@ -2,7 +2,7 @@
 #include "scattering/fresnel.h"
 #include "scattering/parameter.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What smooth and rough conductors have in common: how much they reflect.
 class Metal {
@@ -30,4 +30,4 @@ class Metal {
     Rgb normalIncidence_;  ///< of Fresnel, where eta and k are constant
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

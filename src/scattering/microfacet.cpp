@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 constexpr float kInvSqrtPi = 0.5641895835f;
@@ -161,4 +161,4 @@ float microfacetTransmittance(const MicrofacetDistribution& distribution, const 
     });
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

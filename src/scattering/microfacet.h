@@ -11,7 +11,7 @@
 #include "base/frame.h"
 #include "base/math.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 enum class MicrofacetType : uint8_t { Beckmann, Ggx };
 
@@ -65,4 +65,4 @@ float microfacetReflectance(const MicrofacetDistribution& distribution, const Ve
 float microfacetTransmittance(const MicrofacetDistribution& distribution, const Vec3f& w, float eta,
                               int nodes);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

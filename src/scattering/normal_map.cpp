@@ -1,6 +1,6 @@
 #include "scattering/normal_map.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class NormalMap final : public PerturbedBsdf {
@@ -24,4 +24,4 @@ BsdfPtr makeNormalMap(const NormalMapParameters& parameters) {
     return std::make_shared<NormalMap>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 #include "scattering/perturbed.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A nested model whose shading normal comes from a texture: rgb in [0, 1] is (n + 1) / 2 in the local
 /// shading frame.
@@ -13,4 +13,4 @@ struct NormalMapParameters {
 };
 BsdfPtr makeNormalMap(const NormalMapParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,6 +1,6 @@
 #include "scattering/null_bsdf.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class NullBsdf final : public Bsdf {
@@ -32,4 +32,4 @@ BsdfSample passThrough(const Vec3f& known, const Rgb& energy, float probability)
     return result;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,7 +1,7 @@
 #pragma once
 #include "scattering/bsdf.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// The surface that is not there: everything passes straight on.
 BsdfPtr makeNullBsdf();
@@ -9,4 +9,4 @@ BsdfPtr makeNullBsdf();
 /// The delta lobe that lets `energy` pass straight on, chosen with `probability` from either end.
 BsdfSample passThrough(const Vec3f& known, const Rgb& energy, float probability);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 
 #include <utility>
 
-namespace metrolux {
+namespace metrolux::core {
 
 class ScalarParameter {
   public:
@@ -42,9 +42,9 @@ class ColorParameter {
     TexturePtr texture_;
 };
 
-/// A colour as a reflectance: each channel in [0, 1]. For albedo(), which promises that range.
+/// A color as a reflectance: each channel in [0, 1]. For albedo(), which promises that range.
 inline Rgb clampUnit(const Rgb& c) {
     return {std::clamp(c.x, 0.0f, 1.0f), std::clamp(c.y, 0.0f, 1.0f), std::clamp(c.z, 0.0f, 1.0f)};
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,6 +1,6 @@
 #include "scattering/perturbed.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 Vec3f tiltedToOtherSide(const Vec3f& n) { return {-n.x, -n.y, n.z}; }
@@ -98,4 +98,4 @@ BsdfEvaluation PerturbedBsdf::evaluate(const SurfaceInteraction& si, const Vec3f
     return e;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

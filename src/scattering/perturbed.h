@@ -15,7 +15,7 @@
 
 #include "scattering/bsdf.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 struct PerturbationOptions {
     bool flipInvalidNormals = true;
@@ -49,4 +49,4 @@ class PerturbedBsdf : public Bsdf {
     PerturbationOptions options_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

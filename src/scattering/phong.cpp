@@ -3,7 +3,7 @@
 #include "base/warp.h"
 #include "scattering/diffuse_specular.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class Phong final : public Bsdf {
@@ -56,4 +56,4 @@ class Phong final : public Bsdf {
 
 BsdfPtr makePhong(const PhongParameters& parameters) { return std::make_shared<Phong>(parameters); }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

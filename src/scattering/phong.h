@@ -2,7 +2,7 @@
 #include "scattering/bsdf.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// The modified Phong model [Lafortune & Willems 1994] of Mitsuba 0.6 (`phong`), on the side of the normal;
 /// the other side is black. A texture that is null has the value given beside it. When the largest sum of the
@@ -14,4 +14,4 @@ struct PhongParameters {
 };
 BsdfPtr makePhong(const PhongParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

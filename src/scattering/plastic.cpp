@@ -5,7 +5,7 @@
 #include "scattering/fresnel.h"
 #include "scattering/parameter.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class Plastic final : public Bsdf {
@@ -85,4 +85,4 @@ BsdfPtr makePlastic(const PlasticParameters& parameters) {
     return std::make_shared<Plastic>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 #include "scattering/parameter.h"
 #include "scattering/principled_lobes.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using principled::Clearcoat;
@@ -221,4 +221,4 @@ BsdfPtr makePrincipled(const PrincipledParameters& p) {
     return std::make_shared<Principled>(p);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 
 #include <optional>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Mitsuba 3's `principled`: metal, dielectric with diffuse base, rough glass, sheen and clear coat in one
 /// model. The normal points to the exterior; the inside scatters only where spec_trans > 0. A texture that is
@@ -30,4 +30,4 @@ struct PrincipledParameters {
 /// Throws Error for an eta that is not positive, `specular` outside [0, 1] and negative sampling rates.
 BsdfPtr makePrincipled(const PrincipledParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -8,7 +8,7 @@
 #include "base/math.h"
 #include "scattering/microfacet.h"
 
-namespace metrolux::principled {
+namespace metrolux::core::principled {
 
 /// (1 - cos)^5, the angular part of Schlick's approximation.
 inline float schlickWeight(float cosine) {
@@ -74,4 +74,4 @@ class Clearcoat {
     float alpha2_;
 };
 
-}  // namespace metrolux::principled
+}  // namespace metrolux::core::principled

@@ -6,7 +6,7 @@
 #include "scattering/parameter.h"
 #include "scattering/principled_lobes.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using principled::schlickWeight;
@@ -166,4 +166,4 @@ BsdfPtr makePrincipledThin(const PrincipledThinParameters& p) {
     return std::make_shared<PrincipledThin>(p);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

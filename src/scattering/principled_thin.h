@@ -2,7 +2,7 @@
 #include "scattering/bsdf.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Mitsuba 3's `principledthin`: the principled model for sheets without thickness (leaves, paper, windows),
 /// the same from both sides. A texture that is null has the value given beside it.
@@ -28,4 +28,4 @@ struct PrincipledThinParameters {
 /// Throws Error for negative sampling rates.
 BsdfPtr makePrincipledThin(const PrincipledThinParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 
 #include "scattering/metal.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class RoughConductor final : public Bsdf {
@@ -57,4 +57,4 @@ BsdfPtr makeRoughConductor(const RoughConductorParameters& parameters) {
     return std::make_shared<RoughConductor>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 #include "scattering/microfacet.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A metal with microfacets (Mitsuba 3's `roughconductor`), on the side of the normal; the other side is
 /// black. A texture that is null has the value given beside it.
@@ -16,4 +16,4 @@ struct RoughConductorParameters {
 };
 BsdfPtr makeRoughConductor(const RoughConductorParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

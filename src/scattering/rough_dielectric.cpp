@@ -4,7 +4,7 @@
 #include "scattering/fresnel.h"
 #include "scattering/parameter.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class RoughDielectric final : public Bsdf {
@@ -92,4 +92,4 @@ BsdfPtr makeRoughDielectric(const RoughDielectricParameters& parameters) {
     return std::make_shared<RoughDielectric>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

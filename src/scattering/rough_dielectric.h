@@ -3,7 +3,7 @@
 #include "scattering/microfacet.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A rough interface between two dielectrics (Mitsuba 3's `roughdielectric`); the normal points to the
 /// exterior. A texture that is null has the value given beside it.
@@ -17,4 +17,4 @@ struct RoughDielectricParameters {
 /// Throws Error unless eta is positive, finite and not 1.
 BsdfPtr makeRoughDielectric(const RoughDielectricParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -8,7 +8,7 @@
 
 #include <array>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class RoughPlastic final : public Bsdf {
@@ -120,4 +120,4 @@ BsdfPtr makeRoughPlastic(const RoughPlasticParameters& parameters) {
     return std::make_shared<RoughPlastic>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 #include "scattering/microfacet.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A diffuse base under a rough dielectric coat (Mitsuba 3's `roughplastic`), on the side of the normal; the
 /// other side is black. A texture that is null has the value given beside it.
@@ -11,11 +11,11 @@ struct RoughPlasticParameters {
     float eta = 1.49f / 1.000277f;   ///< index of the coat over that of the exterior: polypropylene in air
     TexturePtr diffuseReflectance;   ///< of the base; 0.5
     TexturePtr specularReflectance;  ///< factor; 1
-    bool nonlinear = false;          ///< colours saturate by scattering repeatedly below the coat
+    bool nonlinear = false;          ///< colors saturate by scattering repeatedly below the coat
     float alpha = 0.1f;              ///< roughness, isotropic
     MicrofacetType distribution = MicrofacetType::Beckmann;
 };
 /// Throws Error unless eta is positive, finite and not 1.
 BsdfPtr makeRoughPlastic(const RoughPlasticParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

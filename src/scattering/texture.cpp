@@ -1,6 +1,6 @@
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 Vec2f Texture::gradient(const SurfaceInteraction& si) const {
     // Central differences over a step that is small against any texel yet large against float noise.
@@ -13,4 +13,4 @@ Vec2f Texture::gradient(const SurfaceInteraction& si) const {
     return {(at(kStep, 0) - at(-kStep, 0)) / (2 * kStep), (at(0, kStep) - at(0, -kStep)) / (2 * kStep)};
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A spatially varying RGB value. Values that describe reflectances are linear Rec.709 in [0, 1]; values of
 /// emitters are radiances.
@@ -13,18 +13,19 @@ class Texture {
   public:
     virtual ~Texture() = default;
     virtual Rgb rgb(const SurfaceInteraction& si) const = 0;
-    /// The value as a scalar (roughness, opacity, weights ...): for colour images Rec.709 luminance.
+    /// The value as a scalar (roughness, opacity, weights ...): for color images Rec.709 luminance.
     virtual float scalar(const SurfaceInteraction& si) const { return luminance(rgb(si)); }
     /// d scalar / du, d scalar / dv at si, for bump maps. Constant textures return zero.
     virtual Vec2f gradient(const SurfaceInteraction& si) const;
     /// A mean over the unit uv square (exact or by texels): for light selection and lobe selection.
     virtual Rgb mean() const = 0;
     virtual bool isConstant() const { return false; }
-    /// Asks for the memory that rgb() will read. A hint, for callers that have something else to do meanwhile.
+    /// Asks for the memory that rgb() will read. A hint, for callers that have something else to do
+    /// meanwhile.
     virtual void prefetch(const SurfaceInteraction&) const {}
     /// Resolution that an importance table should have to follow the texture; (1,1) for constants.
     virtual Vec2i resolution() const { return {1, 1}; }
 };
 using TexturePtr = std::shared_ptr<const Texture>;
 
-}  // namespace metrolux
+}  // namespace metrolux::core

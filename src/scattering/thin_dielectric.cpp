@@ -5,7 +5,7 @@
 #include "scattering/fresnel.h"
 #include "scattering/parameter.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class ThinDielectric final : public DeltaPair {
@@ -42,4 +42,4 @@ BsdfPtr makeThinDielectric(const ThinDielectricParameters& parameters) {
     return std::make_shared<ThinDielectric>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

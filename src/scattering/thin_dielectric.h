@@ -2,7 +2,7 @@
 #include "scattering/bsdf.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A thin sheet of a dielectric: reflection and straight transmission, with all inner reflections counted.
 struct ThinDielectricParameters {
@@ -13,4 +13,4 @@ struct ThinDielectricParameters {
 /// Throws Error unless eta is positive and finite.
 BsdfPtr makeThinDielectric(const ThinDielectricParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 Vec3f mirrored(const Vec3f& v) { return {v.x, v.y, -v.z}; }
@@ -52,4 +52,4 @@ BsdfPtr makeTwoSided(const TwoSidedParameters& parameters) {
     return std::make_shared<TwoSided>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,7 +1,7 @@
 #pragma once
 #include "scattering/bsdf.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// An opaque model for each side of the surface; the back is seen in the frame mirrored at the surface.
 struct TwoSidedParameters {
@@ -11,4 +11,4 @@ struct TwoSidedParameters {
 /// Throws Error when a nested model is transmissive.
 BsdfPtr makeTwoSided(const TwoSidedParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 #include "scattering/diffuse_specular.h"
 #include "scattering/microfacet.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class Ward final : public Bsdf {
@@ -41,7 +41,7 @@ class Ward final : public Bsdf {
         const float gauss = std::exp(-(sqr(h.x / a) + sqr(h.y / b)) / (h.z * h.z)) / (4.0f * kPi * a * b);
         const float cosine = dot(wEye, h);
         if (!(gauss > 0 && cosine > 0)) return result;
-        const float f = gauss * normalisation(wEye.z, wLight.z, h.z, cosine);
+        const float f = gauss * normalization(wEye.z, wLight.z, h.z, cosine);
         const float pdf = gauss / (cosine * h.z * h.z * h.z);
         // So grazing that a float cannot hold it: the specular lobe is cut off in value and density.
         if (!(f * wLight.z < kInfinity && f < kInfinity && pdf < kInfinity)) return result;
@@ -57,7 +57,7 @@ class Ward final : public Bsdf {
 
   private:
     /// What follows the Gaussian, 1 / (4 pi a b) apart, in terms of the unit half vector.
-    float normalisation(float cosEye, float cosLight, float cosHalf, float cosine) const {
+    float normalization(float cosEye, float cosLight, float cosHalf, float cosine) const {
         switch (variant_) {
             case WardVariant::Ward:
                 return 1.0f / std::sqrt(cosEye * cosLight);
@@ -83,4 +83,4 @@ class Ward final : public Bsdf {
 
 BsdfPtr makeWard(const WardParameters& parameters) { return std::make_shared<Ward>(parameters); }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

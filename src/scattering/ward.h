@@ -2,7 +2,7 @@
 #include "scattering/bsdf.h"
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 enum class WardVariant : uint8_t {
     Ward,      ///< [Ward 1992], loses energy at grazing angles
@@ -21,4 +21,4 @@ struct WardParameters {
 };
 BsdfPtr makeWard(const WardParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

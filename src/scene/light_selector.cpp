@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 std::vector<double> mixedWithEven(std::span<const double> powers, double evenShare) {
     double total = 0;
@@ -78,4 +78,4 @@ float LightSelector::probability(const Vec3f& x, uint32_t light) const {
                                        : (1 - share) * tree_.probability(cut, place.index));
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Probabilities of a choice by power of which a share is even, because power does not tell what reaches a
 /// given point; all of it where no light has power.
@@ -49,4 +49,4 @@ class LightSelector {
     std::vector<uint32_t> treeLights_, infiniteLights_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

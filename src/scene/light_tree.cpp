@@ -4,7 +4,7 @@
 
 #include <bit>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -71,7 +71,7 @@ struct Sum {
     double alignment() const { return lengths > 0 ? std::min(direction.length() / lengths, 1.0) : 1.0; }
 };
 
-Vec3f centre(const LightBounds& b) { return b.lower + (b.upper - b.lower) * 0.5f; }
+Vec3f center(const LightBounds& b) { return b.lower + (b.upper - b.lower) * 0.5f; }
 
 /// Measure of the directions into which a cone of normals emits [Conty Estevez & Kulla 2018, 4.1]: solid
 /// angle of the normals and, weighted by the cosine to the nearest of them, of the rim within the emission
@@ -124,7 +124,7 @@ int pick(const Lengths& lengths, int count, double sum, double& u) {
 struct LightTree::Builder {
     struct Record {
         LightBounds bounds;
-        Vec3f centre;
+        Vec3f center;
         uint32_t index;
     };
     struct Range {
@@ -141,7 +141,7 @@ struct LightTree::Builder {
     Range range(size_t first, size_t last) const {
         Range r{first, last, {}, 0};
         for (size_t i = first; i < last; ++i) r.sum.add(Sum(records[i].bounds));
-        r.cost = metrolux::cost(r.sum);
+        r.cost = metrolux::core::cost(r.sum);
         return r;
     }
 
@@ -199,12 +199,12 @@ struct LightTree::Builder {
         const size_t middle = r.first + r.size() / 2;
         const auto at = [&](size_t i) { return records.begin() + static_cast<ptrdiff_t>(i); };
         std::nth_element(at(r.first), at(middle), at(r.last), [&](const Record& a, const Record& b) {
-            return a.centre[axis] != b.centre[axis] ? a.centre[axis] < b.centre[axis] : a.index < b.index;
+            return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.index < b.index;
         });
         return middle;
     }
 
-    /// Slabs of equal thickness between the outermost centres.
+    /// Slabs of equal thickness between the outermost centers.
     struct Slabs {
         static constexpr int kCount = 12;
         Vec3f lower{kInfinity}, upper{-kInfinity};
@@ -223,15 +223,15 @@ struct LightTree::Builder {
         Slabs slabs;
         for (size_t i = r.first; i < r.last; ++i)
             for (int axis = 0; axis < 3; ++axis) {
-                slabs.lower[axis] = std::min(slabs.lower[axis], records[i].centre[axis]);
-                slabs.upper[axis] = std::max(slabs.upper[axis], records[i].centre[axis]);
+                slabs.lower[axis] = std::min(slabs.lower[axis], records[i].center[axis]);
+                slabs.upper[axis] = std::max(slabs.upper[axis], records[i].center[axis]);
             }
         const Plane plane = bestPlane(r, slabs);
         if (plane.axis < 0) return halve(r);  // all at one point
         const auto middle =
             std::partition(records.begin() + static_cast<ptrdiff_t>(r.first),
                            records.begin() + static_cast<ptrdiff_t>(r.last),
-                           [&](const Record& a) { return slabs.of(a.centre, plane.axis) < plane.slab; });
+                           [&](const Record& a) { return slabs.of(a.center, plane.axis) < plane.slab; });
         return static_cast<size_t>(middle - records.begin());
     }
 
@@ -241,7 +241,7 @@ struct LightTree::Builder {
             const Sum light(records[i].bounds);
             for (int axis = 0; axis < 3; ++axis)
                 if (slabs.upper[axis] > slabs.lower[axis])
-                    sums[axis][slabs.of(records[i].centre, axis)].add(light);
+                    sums[axis][slabs.of(records[i].center, axis)].add(light);
         }
 
         const Vec3f extent = slabs.upper - slabs.lower;
@@ -254,7 +254,7 @@ struct LightTree::Builder {
             for (int k = Slabs::kCount; k-- > 1;) {
                 const bool empty = sums[axis][k].count == 0;
                 if (!empty) sum.add(sums[axis][k]);
-                above[k] = empty && k + 1 < Slabs::kCount ? above[k + 1] : metrolux::cost(sum);
+                above[k] = empty && k + 1 < Slabs::kCount ? above[k + 1] : metrolux::core::cost(sum);
             }
             Sum below;
             for (int k = 1; k < Slabs::kCount; ++k) {
@@ -262,7 +262,7 @@ struct LightTree::Builder {
                 below.add(sums[axis][k - 1]);
                 if (below.count == r.size()) break;
                 // Thin boxes are not to become thinner (4.3).
-                const double c = (metrolux::cost(below) + above[k]) * double(widest / extent[axis]);
+                const double c = (metrolux::core::cost(below) + above[k]) * double(widest / extent[axis]);
                 if (c < best.cost) best = {c, axis, k};
             }
         }
@@ -320,7 +320,7 @@ LightTree::LightTree(std::span<const LightBounds> lights) {
         const double share = totalIntensity_ > 0 ? double(b.intensity) / totalIntensity_ : even;
         LightBounds relative = b;
         relative.intensity = static_cast<float>((1 - kEvenShare) * share + kEvenShare * even);
-        builder.records.push_back({relative, centre(b), static_cast<uint32_t>(builder.records.size())});
+        builder.records.push_back({relative, center(b), static_cast<uint32_t>(builder.records.size())});
     }
     const Builder::Range whole = builder.range(0, lights.size());
     const float radius = 0.5f * (whole.sum.upper - whole.sum.lower).length();
@@ -340,7 +340,7 @@ uint32_t LightTree::estimate(const Node& node, const Vec3f& x, float near2, Lane
         const float inverse = 1 / larger(distance2, kLeastDistance2);
         const float along = dx * node.axisX[k] + dy * node.axisY[k] + dz * node.axisZ[k];
         const float cosine = smaller(larger(along * std::sqrt(inverse), -1.0f), 1.0f);
-        // The angle to the nearest of the normals if all were at the centre, and the least that the extent
+        // The angle to the nearest of the normals if all were at the center, and the least that the extent
         // allows.
         const float mean =
             cosOfDifference(cosine, std::sqrt(1 - cosine * cosine), node.cosNormals[k], node.sinNormals[k]);
@@ -440,4 +440,4 @@ double LightTree::probability(const Cut& cut, uint32_t light) const {
     return p;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Picks one of many lights for a point x by how much each could send there, were it visible [Conty Estevez &
 /// Kulla 2018, Importance Sampling of Many Lights with Adaptive Tree Splitting]: a hierarchy of clusters,
@@ -13,7 +13,7 @@ namespace metrolux {
 ///
 ///     intensity * cos(theta) / distance^2
 ///
-/// from its centre, its mean direction and its radius (the least distance). From within or near a cluster
+/// from its center, its mean direction and its radius (the least distance). From within or near a cluster
 /// that says little. Therefore such clusters are replaced by their children (their "splitting"), but only one
 /// light is chosen: between all clusters of the cut that results by the estimates, then below it from node to
 /// node.
@@ -65,7 +65,7 @@ class LightTree {
 
     /// Children side by side, so that they are weighed together. Unused ones have no intensity.
     struct alignas(64) Node {
-        Lanes x{}, y{}, z{};                     ///< centre of the sphere that holds the child
+        Lanes x{}, y{}, z{};                     ///< center of the sphere that holds the child
         Lanes radius2{};                         ///< its radius squared
         Lanes nearest2{1, 1, 1, 1, 1, 1, 1, 1};  ///< least squared distance that is reckoned with
         Lanes axisX{}, axisY{}, axisZ{}, cosNormals{}, sinNormals{}, cosEmission{};
@@ -84,4 +84,4 @@ class LightTree {
     double totalIntensity_ = 0;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -91,4 +91,4 @@ float Scene::emissionProbability(const Light* light) const {
     return static_cast<float>(emission_.pmf(lightIndex_.at(light)));
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

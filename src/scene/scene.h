@@ -12,7 +12,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 class LightSelector;
 
@@ -92,4 +92,4 @@ class Scene {
     std::unordered_map<const Light*, uint32_t> lightIndex_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,9 +1,9 @@
 #pragma once
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 
 /// What the compiler was told, and the commit that the build was configured at ("unknown" outside of git).
 extern const char* const kBuildFlags;
 extern const char* const kBuildRevision;
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

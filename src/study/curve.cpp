@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 namespace {
 
 constexpr int kTimeSteps = 28;  // 2^14: from a minute down to 4 ms
@@ -128,4 +128,4 @@ PowerLaw fitRun(const std::vector<Measurement>& run, Metric metric) {
     return fitPowerLaw(points);
 }
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

@@ -6,7 +6,7 @@
 
 #include <cstdint>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 
 /// What one run has reached at one time.
 struct Measurement {
@@ -22,7 +22,7 @@ inline double positionOf(const Measurement& m, Abscissa abscissa) {
     return abscissa == Abscissa::Seconds ? m.seconds : m.passes;
 }
 
-inline constexpr double kGridRatio = 1.4142135623730951;  ///< of neighbouring measuring times
+inline constexpr double kGridRatio = 1.4142135623730951;  ///< of neighboring measuring times
 
 /// last, last/r, last/r^2 ... in ascending order, r = kGridRatio: 28 steps for times, down to 1 for passes
 /// (whole numbers, each once).
@@ -62,4 +62,4 @@ inline constexpr size_t kFewestFitPoints = 3;
 /// fewer than kFewestFitPoints, nor for the bias, which changes its sign.
 PowerLaw fitRun(const std::vector<Measurement>& run, Metric metric);
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

@@ -13,7 +13,7 @@
 #include <sys/utsname.h>
 #include <thread>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 namespace {
 
 #if defined(__clang__)
@@ -64,4 +64,4 @@ nlohmann::json describeMachine(int threads) {
 
 std::string timestamp() { return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr))); }
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

@@ -3,7 +3,7 @@
 
 #include <array>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 
 /// What a study follows; defined in image/compare.h. All but Bias are above zero and smaller is better; Bias
 /// is signed and is judged by its absolute value.
@@ -25,4 +25,4 @@ inline PerMetric<double> metricValues(const ImageDifference& d) {
     return {d.relMse, d.trimmedRelMse, d.mse, d.smape, d.bias};
 }
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

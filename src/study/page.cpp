@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <zlib.h>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 namespace {
 
 constexpr std::string_view kDataMarker = "@METROLUX_STUDY@", kPixelsMarker = "@METROLUX_PIXELS@";
@@ -22,8 +22,8 @@ std::vector<float> rgbValues(const ImageData& image) {
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
             const float* p = image.at(x, y);
-            const bool grey = image.channels < 3;
-            values.insert(values.end(), {p[0], grey ? p[0] : p[1], grey ? p[0] : p[2]});
+            const bool gray = image.channels < 3;
+            values.insert(values.end(), {p[0], gray ? p[0] : p[1], gray ? p[0] : p[2]});
         }
     return values;
 }
@@ -125,4 +125,4 @@ std::string studyPage(const nlohmann::ordered_json& study, const std::vector<Pag
     return page;
 }
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

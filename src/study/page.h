@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 
 /// Why this program cannot write the page (it was built without its template); empty: it can.
 std::string pageProblem();
@@ -30,4 +30,4 @@ std::string studyPage(const nlohmann::ordered_json& study, const std::vector<Pag
 /// (which compresses better), compressed (zlib) and in Base64.
 std::string encodePixels(const ImageData& image, bool half);
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

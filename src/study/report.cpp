@@ -9,7 +9,7 @@
 #include <cctype>
 #include <cmath>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -292,4 +292,4 @@ std::string writeReport(const SceneStudy& study, const Plan& plan, const Provena
     return {};
 }
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

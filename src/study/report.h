@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 
 inline constexpr int kFormatVersion = 1;  ///< of study.json; docs/study.md describes it
 
@@ -43,4 +43,4 @@ void writeRun(const SceneStudy& study, const Plan& plan, size_t entrant, const R
 std::string writeReport(const SceneStudy& study, const Plan& plan, const Provenance& provenance,
                         const std::filesystem::path& folder);
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

@@ -12,7 +12,7 @@
 #include <map>
 #include <numbers>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 namespace {
 
 /// Seconds by the clock on the wall, and of all threads of the process.
@@ -282,4 +282,4 @@ std::string speedTable(const nlohmann::json& passes, const nlohmann::json& techn
     return text;
 }
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

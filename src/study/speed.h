@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 
 struct SpeedOptions {
     std::string integrator = "mcmc_vcm";  ///< a name of integratorList()
@@ -29,4 +29,4 @@ nlohmann::json measureTechniques(const Scene& scene, const SpeedOptions& options
 /// Both as a table for people.
 std::string speedTable(const nlohmann::json& passes, const nlohmann::json& techniques);
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

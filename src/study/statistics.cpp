@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -125,4 +125,4 @@ Ranking rankSmallest(const std::vector<std::vector<double>>& samples) {
     return ranking;
 }
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 
 inline constexpr double kConfidence = 0.95;  ///< of all intervals
 inline constexpr double kSignificance = 1 - kConfidence;
@@ -61,4 +61,4 @@ struct Ranking {
 /// Empty samples do not take part.
 Ranking rankSmallest(const std::vector<std::vector<double>>& samples);
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 namespace {
 
 /// A clock that can be stopped while something is done that is not to be counted.
@@ -218,4 +218,4 @@ PerMetric<Ranking> rank(const std::vector<Contribution>& contributions) {
     return result;
 }
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

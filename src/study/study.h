@@ -10,7 +10,7 @@
 
 #include <optional>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 
 /// One of the integrators that are compared, with its options.
 struct Entrant {
@@ -121,4 +121,4 @@ Summary summarize(const Contribution& contribution, const Plan& plan);
 /// The entrant with the smallest error at the end for each metric (logarithms of errors, |bias|).
 PerMetric<Ranking> rank(const std::vector<Contribution>& contributions);
 
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace metrolux::cellblocks {
+namespace metrolux::core::cellblocks {
 
 /// Tables of a grid's cells that are reached by a hash: blocks of 4 x 2 x 2 cells are hashed as one and lie
 /// side by side, 16 values of four bytes in a cache line, so that what is near in space is near in memory.
@@ -32,4 +32,4 @@ constexpr uint32_t bucket(uint32_t blockMask, int64_t x, int64_t y, int64_t z) {
     return bucket(keyZ(keyY(keyX(x), y), z), blockMask, x, y, z);
 }
 
-}  // namespace metrolux::cellblocks
+}  // namespace metrolux::core::cellblocks

@@ -2,7 +2,7 @@
 
 #include "transport/walk.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 Rgb hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v) {
     const Light& light = *v.si.shape->emitter;
@@ -144,4 +144,4 @@ Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Verte
            static_cast<float>(weight * inverseDiskArea / cosineLight);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include "scene/scene.h"
 #include "transport/vertex.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Eye subpath ends on the area light at `v` (s = 0).
 Rgb hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v);
@@ -47,4 +47,4 @@ Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vert
 Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
                   double inverseDiskArea, bool weighted = true);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

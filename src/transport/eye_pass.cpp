@@ -10,7 +10,7 @@
 
 #include <array>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -118,4 +118,4 @@ void EyeVertices::takeKept(size_t first, size_t tasks) {
     });
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

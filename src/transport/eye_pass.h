@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// The eye subpaths of an iteration: one for each pixel of `pixels`, with the vertices that can be connected
 /// and merged.
@@ -95,4 +95,4 @@ struct EyePass {
     Rgb estimateDirect(const Vertex& v, SampleStream& nee, Film& film) const;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 #include "sampling/sample_stream.h"
 #include "sampling/sobol.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 void EyeWave::run(std::span<const uint32_t> pixels, Kept& kept) {
     start(pixels);
@@ -66,7 +66,7 @@ void EyeWave::arrive(std::span<const uint32_t> pixels, int depth) {
         }
         intersector.interaction(rays_, k, v.si);
         if (!(depth == 1 ? arriveFromCamera(walk, lane.edge, pixels[active_[k]], v)
-                         : metrolux::arrive(lane.edge, from, lane.certain, v)))
+                         : metrolux::core::arrive(lane.edge, from, lane.certain, v)))
             continue;
         // Read when all lanes have arrived.
         v.bsdf().prefetch(v.si);
@@ -150,7 +150,7 @@ void EyeWave::scatter(int depth) {
             const uint32_t i = active_[k];
             Lane& lane = lanes_[i];
             if (gathering_.ends(lane.v) ||
-                !metrolux::scatter(
+                !metrolux::core::scatter(
                     walk, lane.v, u.lobe[k], {u.scatterX[k], u.scatterY[k]}, [&] { return u.roulette[k]; },
                     lane.edge) ||
                 !gathering_.follows(lane.gathers, lane.edge.delta))
@@ -161,4 +161,4 @@ void EyeWave::scatter(int depth) {
     active_.resize(left);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

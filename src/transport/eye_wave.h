@@ -3,7 +3,7 @@
 #include "transport/eye_pass.h"
 #include "transport/walk.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What an EyePass adds up at the vertices of one eye subpath.
 class EyeGathering {
@@ -93,4 +93,4 @@ class EyeWave {
     } numbers_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include <bit>
 #include <utility>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -67,4 +67,4 @@ std::vector<uint32_t> hilbertOrder(int width, int height) {
     return result;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

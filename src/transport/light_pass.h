@@ -9,7 +9,7 @@
 #include <atomic>
 #include <span>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// How often a light pass has done what, for measurements.
 struct LightWork {
@@ -67,4 +67,4 @@ struct LightPass {
 /// Order of the window's pixels along a Hilbert curve: a small step in the curve's parameter is a near pixel.
 std::vector<uint32_t> hilbertOrder(int width, int height);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

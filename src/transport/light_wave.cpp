@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 /// How many steps of a loop ahead memory is asked for.
@@ -98,7 +98,7 @@ void LightWave::arrive(int depth) {
         intersector.interaction(rays_, k, v.si);
         bool certain = false;
         if (!(depth == 1 ? arriveFromLight(walk, starts_[i], v)
-                         : metrolux::arrive(lane.edge, from, certain, v)))
+                         : metrolux::core::arrive(lane.edge, from, certain, v)))
             continue;
         // What the next steps read, when all lanes have arrived.
         v.bsdf().prefetch(v.si);
@@ -214,7 +214,7 @@ void LightWave::scatter(int depth) {
     if (depth + 1 < limit_ && depth < walk.depthLimit())
         for (const uint32_t i : active_) {
             Lane& lane = lanes_[i];
-            if (!metrolux::scatter(walk, *lane.job.stream, lane.v, lane.edge)) continue;
+            if (!metrolux::core::scatter(walk, *lane.job.stream, lane.v, lane.edge)) continue;
             active_[left++] = i;
             rays_.rays.push_back(lane.edge.ray);
         }
@@ -226,4 +226,4 @@ void LightWave::addPixel(const Lane& lane, uint32_t pixel, const Rgb& value, Tec
         lane.job.splats->pixels.push_back({pixel, value});
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

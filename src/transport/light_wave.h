@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Light subpaths of a LightPass side by side, as EyeWave has eye subpaths: rays are traced together, and
 /// memory that one waits for is asked for while others are at work. What a subpath contributes, and the order
@@ -65,4 +65,4 @@ class LightWave {
     UninitializedVector<uint32_t> near_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -12,10 +12,10 @@
 
 #include <algorithm>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Number of samples of each technique in an iteration, relative to connections: it feeds MIS and is never a
-/// behaviour switch. `merge` is eta = N pi r^2; `hitNee` is 1 / lambda.
+/// behavior switch. `merge` is eta = N pi r^2; `hitNee` is 1 / lambda.
 struct Strategies {
     double hitNee = 1;
     /// Connections of inner vertices: share of the light subpaths that are connected with an eye subpath. 0
@@ -188,4 +188,4 @@ inline double mergeWeight(const Strategies& n, const MisState& light, const MisS
     return share / (share + lightSide + eyeSide);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

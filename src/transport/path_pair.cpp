@@ -4,7 +4,7 @@
 #include "transport/connect.h"
 #include "transport/subpath.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -138,4 +138,4 @@ void PathPair::one(int length, SampleStream& u, SplatList& splats) const {
     }
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

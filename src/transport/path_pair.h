@@ -3,7 +3,7 @@
 #include "transport/light_pass.h"
 #include "transport/photon_map.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What a point of the primary sample space of complete paths contributes: one eye subpath and one light
 /// subpath are traced and joined by the techniques of bidirectional path tracing, with their weights. The
@@ -39,4 +39,4 @@ struct PathPair {
     void addSplat(const Vec2f& raster, const Rgb& value, Technique technique, SplatList& splats) const;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -90,4 +90,4 @@ void PhotonDensity::setUsed(const std::vector<uint32_t>& buckets, const std::vec
     updateDensities();
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

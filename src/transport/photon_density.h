@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Density of light subpaths' vertices on surfaces, averaged over the iterations so far, from counts in the
 /// cells of a hash grid. It steers weights only: collisions in the table and cells that a surface crosses
@@ -41,7 +41,7 @@ class PhotonDensity {
     /// at() to within 1/16, from a table a quarter as large: every vertex asks, and would wait for memory. 0
     /// where fewer than 2^-28 vertices of a subpath are expected in the cell.
     float roughlyAt(const Vec3f& p) const { return levels_[codes_[bucketOf(p)]]; }
-    void prefetch(const Vec3f& p) const { metrolux::prefetch(&codes_[bucketOf(p)]); }
+    void prefetch(const Vec3f& p) const { metrolux::core::prefetch(&codes_[bucketOf(p)]); }
 
     /// Between two iterations.
     template <class Archive>
@@ -72,4 +72,4 @@ class PhotonDensity {
     std::array<float, 256> levels_{};
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 
 #include "transport/connect.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 void PhotonMap::build(std::vector<Vertex> vertices, float radius) {
     vertices_ = std::move(vertices);
@@ -44,4 +44,4 @@ void traceLightVertices(const Scene& scene, SampleStream& stream, const PathLimi
     traceLightSubpath(scene, stream, limits, strategies, visitor);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 #include "transport/subpath.h"
 #include "transport/vertex_grid.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Light vertices that eye subpaths are merged with: the set L of the supplement, section 4.1.1. The
 /// throughput of a vertex carries the weight of its light subpath, such that a sum over the set is an
@@ -29,4 +29,4 @@ class PhotonMap {
 void traceLightVertices(const Scene& scene, SampleStream& stream, const PathLimits& limits,
                         const Strategies& strategies, std::vector<Vertex>& vertices);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

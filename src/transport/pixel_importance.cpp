@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
-/// Sums over 2 reach + 1 neighbours along a row or column, fewer at its ends; returns the means.
+/// Sums over 2 reach + 1 neighbors along a row or column, fewer at its ends; returns the means.
 std::vector<double> boxBlur(const std::vector<double>& in, int length, int lines, int step, int lineStep,
                             int reach) {
     std::vector<double> out(in.size());
@@ -70,4 +70,4 @@ double PixelImportance::squares(const SplatList& splats) const {
     return sum(splats, [](double x) { return x * x; });
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What a contribution to a pixel is worth in a target F that asks for relative error: one over what the
 /// image shows there so far, so that chains do not spend all their steps where it is bright.
@@ -33,4 +33,4 @@ class PixelImportance {
     std::vector<float> values_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,6 +1,6 @@
 #include "transport/subpath.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -51,4 +51,4 @@ void traceLightSubpath(const Scene& scene, SampleStream& stream, const PathLimit
         continueWalk(walk, stream, visitor, v);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 #include "scene/scene.h"
 #include "transport/walk.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What a subpath does with its vertices. Each call may end the walk.
 class SubpathVisitor {
@@ -34,4 +34,4 @@ void traceEyeSubpath(const Scene& scene, SampleStream& stream, const PathLimits&
 void traceLightSubpath(const Scene& scene, SampleStream& stream, const PathLimits& limits,
                        const Strategies& strategies, SubpathVisitor& visitor);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <type_traits>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// A surface vertex of a subpath: a plain value that can be connected and merged without its subpath.
 struct Vertex {
@@ -22,7 +22,7 @@ struct Vertex {
     const Bsdf& bsdf() const { return *si.shape->bsdf; }
 };
 
-/// Makes a copy in memory that need not be initialised. Byte by byte, as wide as the processor can: Imath's
+/// Makes a copy in memory that need not be initialized. Byte by byte, as wide as the processor can: Imath's
 /// vectors have copy constructors of their own, which go number by number.
 inline void copyVertex(const Vertex& from, Vertex* to) {
     static_assert(std::is_trivially_destructible_v<Vertex>);
@@ -60,4 +60,4 @@ inline float lightSampleFactor(const Vertex& v, const Vec3f& sampled) {
     return cosineLight > 0 ? absDot(sampled, v.si.ng) / cosineLight : 0.0f;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

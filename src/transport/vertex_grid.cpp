@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -146,4 +146,4 @@ void VertexGrid::clear() {
     starts_.clear();
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Hash grid over the eye vertices (or other points) of an iteration, counting-sorted into buckets. Cells are
 /// two radii wide, so that a ball of one radius touches at most eight of them, which are in three blocks of
@@ -83,4 +83,4 @@ class VertexGrid {
     UninitializedVector<Entry> entries_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

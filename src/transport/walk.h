@@ -3,7 +3,7 @@
 #include "scene/scene.h"
 #include "transport/vertex.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// The steps of a random walk, which one subpath takes alone (subpath.h) and many take side by side
 /// (eye_wave.h, light_wave.h). The only home of throughput, roulette, the adjoint correction and the MIS
@@ -118,7 +118,7 @@ inline bool arriveFromCamera(const WalkRules& walk, const WalkEdge& first, uint3
     const Camera& camera = walk.scene.camera();
     const double cosine = absDot(first.ray.direction, v.si.ng);
     if (!(cosine > 0)) return false;
-    // The camera's ray may start at a near plane: distances count from the centre of projection.
+    // The camera's ray may start at a near plane: distances count from the center of projection.
     const Vec3f origin = camera.isInfinite() ? first.ray.origin
                                              : camera.projectionCenter(first.ray.origin, first.ray.direction);
     v.distanceToPrevious = (v.si.p - origin).length();
@@ -188,4 +188,4 @@ inline bool arriveFromLight(const WalkRules& walk, const LightStart& start, Vert
     return true;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

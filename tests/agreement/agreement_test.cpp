@@ -23,6 +23,7 @@
 /// of the mean of cornell_box with the default radius and by 0.5 % +- 0.3 % with half of it, which a block's
 /// test does not tell (docs/integrators.md).
 
+#include "paths.h"
 #include "support/block_statistics.h"
 #include "support/scene_rendering.h"
 
@@ -32,7 +33,7 @@
 #include <map>
 #include <optional>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using namespace test;
@@ -107,7 +108,7 @@ const char* const kGlossy =
     "sppm, vpt: narrow lobes that hardly any photon falls into; block means without the "
     "rare one are too dark with too small an error";
 const char* const kDirectLight = "the others: the scene is for the choice of lights by next-event estimation";
-const char* const kSameAsCbox = "the others: the same room in other colours as cbox";
+const char* const kSameAsCbox = "the others: the same room in other colors as cbox";
 const char* const kLikeCornellBox = "path chains: cornell_box is alike";
 const char* const kMergingNeeded =
     "path, bdpt, pssmlt, mmlt: find no light or hardly any through specular, "
@@ -199,4 +200,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Agreement, testing::ValuesIn(kCases),
                          [](const auto& parameter) { return parameter.param.name; });
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,13 +1,14 @@
 /// "The resulting algorithm often suffered from non-uniform convergence" (supplement, 4.2.1, of split_mcmc):
 /// errors of the parts of an image against those of vcm after the same number of passes.
 
+#include "paths.h"
 #include "support/block_statistics.h"
 #include "support/scene_rendering.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using namespace test;
@@ -77,4 +78,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Evenness, testing::Values("water-sds", "glossy-
 });
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,6 +2,7 @@
 /// and that mcmc_vcm earns its place.
 
 #include "image/compare.h"
+#include "paths.h"
 #include "support/block_statistics.h"
 #include "support/scene_rendering.h"
 
@@ -11,7 +12,7 @@
 #include <algorithm>
 #include <map>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using namespace test;
@@ -74,4 +75,4 @@ INSTANTIATE_TEST_SUITE_P(Scenes, StoredReference,
                          });
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

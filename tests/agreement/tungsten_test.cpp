@@ -15,6 +15,7 @@
 
 #include "image/compare.h"
 #include "image/image_io.h"
+#include "paths.h"
 #include "support/scene_rendering.h"
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@
 
 #include <map>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 constexpr int kSeeds = 9;
@@ -112,4 +113,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

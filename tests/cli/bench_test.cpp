@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-namespace metrolux::cli {
+namespace metrolux::core::cli {
 namespace {
 
 using testing::HasSubstr;
@@ -43,4 +43,4 @@ TEST_F(CliTest, BenchRefusesWhatItCannotMeasure) {
 }
 
 }  // namespace
-}  // namespace metrolux::cli
+}  // namespace metrolux::core::cli

@@ -19,7 +19,7 @@
 #include <thread>
 #include <unistd.h>
 
-namespace metrolux::cli {
+namespace metrolux::core::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -362,4 +362,4 @@ TEST_F(CheckpointTest, AFileSizeLimitIsAnErrorAndNotTheEnd) {
 }
 
 }  // namespace
-}  // namespace metrolux::cli
+}  // namespace metrolux::core::cli

@@ -1,6 +1,7 @@
 #include "command.h"
 
 #include "image/image_io.h"
+#include "paths.h"
 
 #include <atomic>
 #include <chrono>
@@ -12,7 +13,7 @@
 #include <thread>
 #include <unistd.h>
 
-namespace metrolux::cli {
+namespace metrolux::core::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -104,4 +105,4 @@ bool CliTest::waitFor(const std::string& name) const {
     return false;
 }
 
-}  // namespace metrolux::cli
+}  // namespace metrolux::core::cli

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux::cli {
+namespace metrolux::core::cli {
 
 using Words = std::vector<std::string>;
 
@@ -63,4 +63,4 @@ class CliTest : public testing::Test {
 /// defined.
 extern const char* const kTinyScene;
 
-}  // namespace metrolux::cli
+}  // namespace metrolux::core::cli

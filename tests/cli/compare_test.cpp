@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-namespace metrolux::cli {
+namespace metrolux::core::cli {
 namespace {
 
 using testing::HasSubstr;
@@ -41,4 +41,4 @@ TEST_F(CliTest, CompareRefusesImagesOfDifferentSize) {
 }
 
 }  // namespace
-}  // namespace metrolux::cli
+}  // namespace metrolux::core::cli

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-namespace metrolux::cli {
+namespace metrolux::core::cli {
 namespace {
 
 using testing::HasSubstr;
@@ -81,11 +81,11 @@ TEST_F(CliTest, WrongOptionsFailWithStatus2AndSayWhatIsWrong) {
         {{"render", "scene.xml", "--split", "automatic"}, "expected `auto`"},
         {{"render", "scene.xml", "--split", "auto", "-i", "vpt", "--passes", "1"}, "replica f"},
         {{"render", "scene.xml", "--target", "brightness"}, "--target"},
-        {{"render", "scene.xml", "--normalisation", "none"}, "--normalisation"},
+        {{"render", "scene.xml", "--normalization", "none"}, "--normalization"},
         {{"render", "scene.xml", "--theta", "1"}, "--theta"},
         {{"render", "scene.xml", "--large-step", "1.5"}, "--large-step"},
         {{"render", "scene.xml", "--method", "C"}, "--method"},
-        {{"render", "scene.xml", "--aov", "colour"}, "colour"},
+        {{"render", "scene.xml", "--aov", "color"}, "color"},
         {{"render", "scene.xml", "-D", "width"}, "name=value"},
         {{"render", "scene.xml", "-i", "mcmc_vmc"}, "did you mean 'mcmc_vcm'"},
         {{"render", "scene.xml", "-o", "a.gif"}, ".gif"},
@@ -142,4 +142,4 @@ TEST_F(CliTest, MalformedScenesFailWithStatus2) {
 }
 
 }  // namespace
-}  // namespace metrolux::cli
+}  // namespace metrolux::core::cli

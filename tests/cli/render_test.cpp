@@ -8,7 +8,7 @@
 #include <fstream>
 #include <set>
 
-namespace metrolux::cli {
+namespace metrolux::core::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -264,4 +264,4 @@ TEST_F(CliTest, ImageIsRescuedWhenTheOutputFolderVanishes) {
 }
 
 }  // namespace
-}  // namespace metrolux::cli
+}  // namespace metrolux::core::cli

@@ -12,7 +12,7 @@
 #include <fstream>
 #include <thread>
 
-namespace metrolux::cli {
+namespace metrolux::core::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -203,4 +203,4 @@ TEST_F(StreamsTest, RanksNeedStreams) {
 }
 
 }  // namespace
-}  // namespace metrolux::cli
+}  // namespace metrolux::core::cli

@@ -1,5 +1,6 @@
 #include "command.h"
 #include "image/image_io.h"
+#include "paths.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -8,7 +9,7 @@
 #include <cstdlib>
 #include <fstream>
 
-namespace metrolux::cli {
+namespace metrolux::core::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -145,4 +146,4 @@ TEST_F(StudyTest, PageWorksInABrowser) {
 }
 
 }  // namespace
-}  // namespace metrolux::cli
+}  // namespace metrolux::core::cli

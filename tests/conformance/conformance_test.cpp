@@ -18,7 +18,7 @@
 
 #include <map>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using namespace test;
@@ -55,7 +55,7 @@ TEST_P(Conformance, Path) {
 constexpr int kSeeds = 16;
 constexpr double kFamilyRate = 0.01;
 constexpr int kFamilyImages = 19 * 3;
-/// The references' colours went to XYZ and back with rounded matrices: white is (1.00097, 0.99967, 1.00043).
+/// The references' colors went to XYZ and back with rounded matrices: white is (1.00097, 0.99967, 1.00043).
 constexpr double kRelativeTolerance = 1e-3;
 
 /// How a scene is compared where the general way does not fit.
@@ -143,4 +143,4 @@ TEST(ConformanceData, HasTheScenes) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,6 +1,7 @@
 #include "references.h"
 
 #include "image/compare.h"
+#include "paths.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +10,7 @@
 #include <fstream>
 #include <numbers>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 namespace fs = std::filesystem;
 
@@ -71,7 +72,7 @@ std::vector<ConformanceScene> conformanceScenes() {
 }
 
 Reference readReference(const ConformanceScene& scene) {
-    // The variance images hold the variances of X, Y and Z, converted to RGB as if they were colours.
+    // The variance images hold the variances of X, Y and Z, converted to RGB as if they were colors.
     return {readXyz(scene.reference), readXyz(scene.variance)};
 }
 
@@ -120,4 +121,4 @@ void writeRow(const std::string& scene, const std::string& integrator, const std
     std::ofstream(kOutput / fileName(scene, "-" + integrator + ".row")) << row << "\n";
 }
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

@@ -2,13 +2,14 @@
 /// The render tests of Mitsuba 3 in ../shared/conformance, and the test that Mitsuba applies to them.
 
 #include "image/image_io.h"
+#include "paths.h"
 
 #include <filesystem>
 #include <ostream>
 #include <string>
 #include <vector>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 struct ConformanceScene {
     std::string name;  ///< "bsdf_spheres/test_envmap"
@@ -46,4 +47,4 @@ void writeFailure(const std::string& name, std::vector<float> imageXyz, const Re
 void writeRow(const std::string& scene, const std::string& integrator, const std::string& result,
               double seconds);
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 constexpr const char* kOldScene = R"(<?xml version="1.0" encoding="utf-8"?>
@@ -236,4 +236,4 @@ TEST(SceneVersions, OldAndNewTwinsAreTheSameBits) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

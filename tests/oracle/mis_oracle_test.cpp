@@ -15,7 +15,7 @@
 
 #include <map>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::SceneBuilder;
@@ -66,7 +66,7 @@ std::shared_ptr<Scene> makeScene(Lighting lighting) {
 }
 
 /// A full path, light to camera: x[0] is the light (or a direction to infinity), x.back() the camera's
-/// neighbour.
+/// neighbor.
 struct FullPath {
     const Light* light = nullptr;
     bool infinite = false;
@@ -471,4 +471,4 @@ INSTANTIATE_TEST_SUITE_P(AllLights, MisOracle,
                                             ::testing::Bool(), ::testing::Values(1.0, 0.25)));
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

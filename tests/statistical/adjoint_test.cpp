@@ -7,7 +7,7 @@
 #include "scattering/normal_map.h"
 #include "scattering/textures/bitmap_texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using namespace test;
@@ -251,4 +251,4 @@ INSTANTIATE_TEST_SUITE_P(All, EachFilter,
                                            ReconstructionFilter::Kind::Lanczos));
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

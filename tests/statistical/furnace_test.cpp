@@ -7,7 +7,7 @@
 
 #include "rendering.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using namespace test;
@@ -183,7 +183,7 @@ TEST(Connections, AnyShareOfThemGivesTheSameBrightness) {
 TEST(McmcVcm, NoPassIsDarkerOrBrighterThanTheOthers) {
     // A target that changes with the eye vertices and shrinks with the radius: caustic light seen through
     // glass, found by merging only. What was found by this test: 50 % (second pass, b_F of other weights), 17
-    // % and 6 % (normalisations that lag behind the radius), 3 % (chains that start from states of the last
+    // % and 6 % (normalizations that lag behind the radius), 3 % (chains that start from states of the last
     // target). With start-up weights (ReplicaMixture) nothing is left that is known: +0.2 % +- 0.2 % over 64
     // passes and 16 seeds. The allowance is a fifth of the smallest of those errors that a user would see.
     constexpr int kPasses = 16;
@@ -227,4 +227,4 @@ INSTANTIATE_TEST_SUITE_P(All, Furnace, ::testing::ValuesIn(kIntegrators),
                          [](const auto& i) { return std::string(i.param); });
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 inline constexpr double kFamilyRate = 1e-3;
 inline constexpr int kComparisons = 1500;
@@ -60,7 +60,7 @@ inline BlockStatistics renderSeeds(const Scene& scene, const RenderSetup& setup)
     return statistics;
 }
 
-/// t-test of each block (green channel: the scenes are grey) against a known radiance. The smallest
+/// t-test of each block (green channel: the scenes are gray) against a known radiance. The smallest
 /// difference that the test would nearly always see, twice the critical one, may not exceed `detectable`
 /// (relative).
 inline void expectRadiance(const BlockStatistics& statistics, double expected, double detectable,
@@ -105,4 +105,4 @@ inline void expectSame(const BlockStatistics& a, const BlockStatistics& b, doubl
     }
 }
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

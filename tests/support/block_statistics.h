@@ -9,9 +9,9 @@
 #include <cmath>
 #include <vector>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
-/// Means and variances over seeds of each colour channel of each block of an image. Blocks at the right and
+/// Means and variances over seeds of each color channel of each block of an image. Blocks at the right and
 /// lower edges take what is left.
 class BlockStatistics {
   public:
@@ -103,7 +103,7 @@ inline WelchResult welch(double meanA, double varianceA, double dofA, double mea
 }
 
 /// Level of each of n tests such that all together err with probability `familyRate` when they are
-/// independent (Sidak); less when they are positively correlated, as neighbouring blocks and colours are.
+/// independent (Sidak); less when they are positively correlated, as neighboring blocks and colors are.
 inline double sidak(double familyRate, double n) { return -std::expm1(std::log1p(-familyRate) / n); }
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

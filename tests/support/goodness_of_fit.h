@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 inline constexpr double kLevel = 1e-6;
 
@@ -50,4 +50,4 @@ inline double normalPValue(double z) {
     return 2 * boost::math::cdf(boost::math::complement(boost::math::normal(), std::abs(z)));
 }
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

@@ -8,7 +8,7 @@
 #include <memory>
 #include <vector>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 /// Keeps the shapes of area lights, to which lights point.
 struct ManyLights {
@@ -26,20 +26,20 @@ inline Vec3f randomPoint(CounterRng& rng, float extent) {
     return Vec3f(2 * x - 1, 2 * y - 1, 2 * z - 1) * extent;
 }
 
-inline Transform randomPlace(CounterRng& rng, const Vec3f& centre, float extent) {
+inline Transform randomPlace(CounterRng& rng, const Vec3f& center, float extent) {
     const Vec3f offset = randomPoint(rng, extent), axis = randomPoint(rng, 1) + Vec3f(0, 0, 1e-3f);
-    return Transform::translate(centre + offset) * Transform::rotate(axis, 360 * rng.next1D());
+    return Transform::translate(center + offset) * Transform::rotate(axis, 360 * rng.next1D());
 }
 
-/// `count` lights of all kinds that have a place, within a cube of half-size `extent` around `centre`; their
+/// `count` lights of all kinds that have a place, within a cube of half-size `extent` around `center`; their
 /// sizes are up to `size`, their intensities spread over a factor of 1000.
-inline ManyLights mixedLights(int count, uint64_t seed, const Vec3f& centre = Vec3f(0.0f), float extent = 10,
+inline ManyLights mixedLights(int count, uint64_t seed, const Vec3f& center = Vec3f(0.0f), float extent = 10,
                               float size = 0.5f) {
     ManyLights result;
     CounterRng rng(hashKey(seed));
     const TexturePtr picture = makeConstantTexture(Rgb(0.7f));
     for (int i = 0; i < count; ++i) {
-        const Transform place = randomPlace(rng, centre, extent);
+        const Transform place = randomPlace(rng, center, extent);
         const float s = size * (0.05f + 0.95f * rng.next1D());
         const Rgb value(std::pow(1000.0f, rng.next1D()));
         const Transform scaled = place * Transform::scale({s, 0.4f * s, s});
@@ -81,4 +81,4 @@ inline ManyLights mixedLights(int count, uint64_t seed, const Vec3f& centre = Ve
     return result;
 }
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

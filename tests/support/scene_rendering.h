@@ -11,7 +11,7 @@
 #include <memory>
 #include <optional>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 /// A scene file, loaded once and rendered many times.
 class RenderableScene {
@@ -72,4 +72,4 @@ class CpuTimer {
     std::clock_t start_ = std::clock();
 };
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

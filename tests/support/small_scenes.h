@@ -10,7 +10,7 @@
 
 #include <functional>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 inline TexturePtr constant(const Rgb& value) { return makeConstantTexture(value); }
 
@@ -66,4 +66,4 @@ inline ShapePtr rectangle(const Vec3f& center, const Vec3f& normal, float a, flo
     return makeRectangle(Transform::fromRows(rows), false);
 }
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

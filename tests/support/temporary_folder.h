@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 /// A new folder, removed with all that is in it at the end of the scope.
 class TemporaryFolder {
@@ -43,4 +43,4 @@ class TemporaryFolder {
     std::filesystem::path path_;
 };
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

@@ -6,7 +6,7 @@
 
 #include <initializer_list>
 
-namespace metrolux::soak {
+namespace metrolux::core::soak {
 namespace {
 
 /// Choices that a scene is made of.
@@ -72,7 +72,7 @@ class Generator {
         return {center_.x + dice_.uniform(-e, e), center_.y + dice_.uniform(-e, e),
                 center_.z + dice_.uniform(-e, e)};
     }
-    Point colour() {
+    Point color() {
         if (dice_.chance(0.1)) return {};
         if (dice_.chance(0.1)) return {1, 1, 1};
         return {dice_.uniform(0, 1), dice_.uniform(0, 1), dice_.uniform(0, 1)};
@@ -137,7 +137,7 @@ class Generator {
         if (dice_.chance(0.2))
             return fmt::format(R"(<texture type="bitmap" name="{}">{}</texture>)", name, image());
         if (dice_.chance(0.1)) return fmt::format(R"(<texture type="checkerboard" name="{}"/>)", name);
-        return rgb(name, colour());
+        return rgb(name, color());
     }
 
     std::string bsdf(int depth = 0) {
@@ -378,4 +378,4 @@ class Generator {
 
 RandomScene makeRandomScene(uint64_t seed) { return Generator(seed).make(); }
 
-}  // namespace metrolux::soak
+}  // namespace metrolux::core::soak

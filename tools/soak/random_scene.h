@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-namespace metrolux::soak {
+namespace metrolux::core::soak {
 
 /// A Mitsuba scene and the files that it names. Most are plain; some have what breaks renderers: coincident
 /// surfaces, needles, triangles of no area, extreme scales, a camera or a light inside glass, no light at
@@ -17,4 +17,4 @@ struct RandomScene {
 /// The same seed gives the same scene, with one compiler.
 RandomScene makeRandomScene(uint64_t seed);
 
-}  // namespace metrolux::soak
+}  // namespace metrolux::core::soak

@@ -33,7 +33,7 @@
 #include <unistd.h>
 #include <vector>
 
-namespace metrolux::soak {
+namespace metrolux::core::soak {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,7 +82,7 @@ IntegratorOptions randomOptions(uint64_t seed, const Scene& scene, const std::st
     options.correlationAware = rng.next1D() < 0.8f;
     if (rng.next1D() < 0.2f) options.split = {1, 1 + 5.0 * rng.next1D(), 1 + 5.0 * rng.next1D()};
     if (rng.next1D() < 0.2f) options.target = ChainTarget::Relative;
-    if (rng.next1D() < 0.2f) options.normalisation = NormalisationMethod::Bennett;
+    if (rng.next1D() < 0.2f) options.normalization = NormalizationMethod::Bennett;
     options.pooledTheta = rng.next1D() < 0.2f;
     options.measuredSplit = rng.next1D() < 0.2f && integrator == "mcmc_vcm";
     return options;
@@ -411,11 +411,11 @@ int run(int argc, char** argv) {
 }
 
 }  // namespace
-}  // namespace metrolux::soak
+}  // namespace metrolux::core::soak
 
 int main(int argc, char** argv) {
     try {
-        return metrolux::soak::run(argc, argv);
+        return metrolux::core::soak::run(argc, argv);
     } catch (const std::exception& error) {
         fmt::print(stderr, "metrolux_soak: {}\n", error.what());
         return 2;

@@ -51,11 +51,11 @@ function verticalRange(data, logarithmic) {
 }
 
 export class Chart {
-  // `entrants`: those with a summary; `colours`: name of the style variable of each label.
-  constructor(study, entrants, colours) {
+  // `entrants`: those with a summary; `colors`: name of the style variable of each label.
+  constructor(study, entrants, colors) {
     this.study = study;
     this.entrants = entrants;
-    this.colours = colours;
+    this.colors = colors;
     this.metric = "rel_mse";
     this.abscissa = study.plan.limit === "passes" ? "passes" : "seconds";
     this.hidden = new Set();
@@ -81,7 +81,7 @@ export class Chart {
   #makeLegend() {
     const chips = this.entrants.map((entrant) => {
       const chip = element("button", { type: "button", "aria-pressed": "true", title: "Show or hide" },
-        element("i", { style: `background: var(${this.colours.get(entrant.label)})` }), entrant.label,
+        element("i", { style: `background: var(${this.colors.get(entrant.label)})` }), entrant.label,
         element("span", { class: "value" }));
       chip.addEventListener("click", () => {
         if (!this.hidden.delete(entrant.label)) this.hidden.add(entrant.label);
@@ -132,15 +132,15 @@ export class Chart {
     const series = [{}];
     const bands = [];
     for (const entrant of shown) {
-      const colour = styleOf(this.colours.get(entrant.label));
+      const color = styleOf(this.colors.get(entrant.label));
       const first = series.length;
       const invisible = { width: 0, points: { show: false }, spanGaps: true, stroke: "transparent" };
       series.push(
-        { stroke: colour, width: 2, spanGaps: true, points: { show: true, size: 5, fill: colour, width: 0 } },
+        { stroke: color, width: 2, spanGaps: true, points: { show: true, size: 5, fill: color, width: 0 } },
         { ...invisible },
         { ...invisible },
       );
-      bands.push({ series: [first + 2, first + 1], fill: `${colour}2e` });
+      bands.push({ series: [first + 2, first + 1], fill: `${color}2e` });
     }
     const text = styleOf("--muted");
     const grid = { stroke: styleOf("--grid"), width: 1 };

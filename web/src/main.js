@@ -5,7 +5,7 @@ import { decodeImage, halfText, shortestText } from "./pixels.js";
 import { fillTable } from "./table.js";
 import { Viewer } from "./viewer.js";
 
-const kColours = 10;
+const kColors = 10;
 
 const content = (id) => JSON.parse(document.getElementById(id).textContent);
 
@@ -76,12 +76,12 @@ function fillProvenance(study, precision) {
 async function start() {
   const study = content("study");
   const { images, precision } = content("pixels");
-  const colours = new Map(study.entrants.map((e, i) => [e.label, `--series-${i % kColours}`]));
+  const colors = new Map(study.entrants.map((e, i) => [e.label, `--series-${i % kColors}`]));
   fillHeader(study);
   document.getElementById("notes").replaceChildren(...notesOf(study).map((note) => element("li", {}, note)));
   fillProvenance(study, precision);
-  fillTable(study, colours);
-  new Chart(study, study.entrants.filter((e) => e.summary), colours);
+  fillTable(study, colors);
+  new Chart(study, study.entrants.filter((e) => e.summary), colors);
   const decoded = await Promise.all(images.map((image) => decodeImage(image, precision)));
   new Viewer(decoded, study.plan.epsilon, precision === "half" ? halfText : shortestText).start();
   document.documentElement.dataset.ready = "true";

@@ -43,7 +43,7 @@ export async function decodeImage({ name, width, height, pixels }, precision) {
   return { name, width, height, values };
 }
 
-// The fewest digits that tell a number from its neighbours of single precision.
+// The fewest digits that tell a number from its neighbors of single precision.
 export function shortestText(value) {
   if (!Number.isFinite(value)) return String(value);
   for (let digits = 1; digits < 9; ++digits) {
@@ -53,7 +53,7 @@ export function shortestText(value) {
   return String(Number(value.toPrecision(9)));
 }
 
-// Half precision has 11 bits: four digits tell neighbours apart, five name each.
+// Half precision has 11 bits: four digits tell neighbors apart, five name each.
 export function halfText(value) {
   return Number.isFinite(value) ? String(Number(value.toPrecision(5))) : String(value);
 }

@@ -48,9 +48,9 @@ function rateCell(entrant) {
   return element("td", {}, element("span", {}, text), element("small", {}, error));
 }
 
-function row(study, entrant, colours) {
+function row(study, entrant, colors) {
   const head = element("th", { scope: "row" },
-    element("i", { style: `background: var(${colours.get(entrant.label)})` }), entrant.label);
+    element("i", { style: `background: var(${colors.get(entrant.label)})` }), entrant.label);
   if (!entrant.summary) {
     const reason = entrant.refusal ?? "interrupted before a run was complete";
     return element("tr", {}, head, element("td", { colspan: "8", class: "reason" }, reason));
@@ -64,10 +64,10 @@ function row(study, entrant, colours) {
       element("small", {}, note || `${Number(seconds.toPrecision(3))} s`)));
 }
 
-export function fillTable(study, colours) {
+export function fillTable(study, colors) {
   const titles = ["integrator", ...kErrors.map(([, title]) => title), "|bias|", "relMSE \u00d7 s", "rate", "passes"];
   const head = element("thead", {}, element("tr", {}, ...titles.map((t) => element("th", { scope: "col" }, t))));
-  const body = element("tbody", {}, ...study.entrants.map((e) => row(study, e, colours)));
+  const body = element("tbody", {}, ...study.entrants.map((e) => row(study, e, colors)));
   document.getElementById("table").replaceChildren(head, body);
   const tests =
     study.plan.seeds.length > 1

@@ -1,11 +1,11 @@
 // The image viewer: two images share one zoom and position, divided by a line that can be dragged.
 
-import { displayPixels, errorPixels, heatColour, relativeError } from "./colour.js";
+import { displayPixels, errorPixels, heatColor, relativeError } from "./color.js";
 import { element, segmented } from "./controls.js";
 
 const kLargestZoom = 128;
 
-// Canvases with display colours, made when they are first shown and again when exposure or mode change.
+// Canvases with display colors, made when they are first shown and again when exposure or mode change.
 class DisplayCache {
   #entries = new Map();
   constructor(reference, epsilon) {
@@ -34,7 +34,7 @@ export class Viewer {
     this.cache = new DisplayCache(images[0], epsilon);
     this.left = Math.min(1, images.length - 1);
     this.right = 0;
-    this.mode = "colour";
+    this.mode = "color";
     this.exposure = 0;
     this.wipe = true;
     this.split = 0.5; // share of the stage's width
@@ -64,7 +64,7 @@ export class Viewer {
     this.pressMode = segmented(
       document.getElementById("mode"),
       [
-        ["colour", "Colour", "E"],
+        ["color", "Color", "E"],
         ["error", "Relative error", "E"],
       ],
       this.mode,
@@ -84,7 +84,7 @@ export class Viewer {
   #drawScale() {
     const context = document.getElementById("scale-canvas").getContext("2d");
     for (let x = 0; x < 256; ++x) {
-      context.fillStyle = `rgb(${heatColour(x / 255).join()})`;
+      context.fillStyle = `rgb(${heatColor(x / 255).join()})`;
       context.fillRect(x, 0, 1, 1);
     }
   }
@@ -268,7 +268,7 @@ export class Viewer {
     const count = this.images.length;
     const actions = {
       w: () => this.setWipe(!this.wipe),
-      e: () => this.setMode(this.mode === "error" ? "colour" : "error"),
+      e: () => this.setMode(this.mode === "error" ? "color" : "error"),
       f: () => this.fit(),
       a: () => this.zoomTo(1),
       "[": () => this.setExposure(this.exposure - 0.5),

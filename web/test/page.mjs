@@ -26,7 +26,7 @@ const stage = await page.locator("#stage").boundingBox();
 const { width, height } = study.scene.window;
 
 const tag = (side) => page.textContent(`#tag-${side}`);
-// Colour of the stage at a share of its size, as shown.
+// Color of the stage at a share of its size, as shown.
 const shown = (x, y) =>
   page.evaluate(
     ([u, v]) => {
@@ -94,15 +94,15 @@ for (let i = 0; i < 4; ++i) await page.mouse.wheel(0, -240);
 await page.waitForFunction((before) => document.getElementById("zoom").textContent !== before, first && "1\u00d7");
 await page.mouse.move(stage.x + 0.75 * stage.width + 1, stage.y + 0.4 * stage.height);
 assert.equal(await page.textContent("#readout .place"), place);
-const colours = await page.evaluate(() => {
+const colors = await page.evaluate(() => {
   const canvas = document.getElementById("canvas");
   const row = canvas.getContext("2d").getImageData(0.6 * canvas.width, 0.5 * canvas.height, 200, 1).data;
   return new Set(Array.from({ length: 200 }, (_, i) => row.slice(4 * i, 4 * i + 3).join())).size;
 });
-assert.ok(colours <= 4, `200 screen pixels show ${colours} colours: nearest neighbour`);
+assert.ok(colors <= 4, `200 screen pixels show ${colors} colors: nearest neighbor`);
 await page.keyboard.press("KeyF");
 
-// Exposure and false colour change what is shown; the scale is there for the errors only.
+// Exposure and false color change what is shown; the scale is there for the errors only.
 const normal = await snapshot();
 await page.keyboard.press("BracketRight");
 assert.equal(await page.textContent("#exposure-value"), "+0.5");

@@ -1,7 +1,7 @@
 #include "base/error.h"
 #include "endpoint/camera.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -73,4 +73,4 @@ CameraPtr makeOrthographicCamera(const OrthographicParameters& parameters, const
     return std::make_shared<OrthographicCamera>(parameters, window);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 #include "base/warp.h"
 #include "endpoint/camera.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -122,4 +122,4 @@ CameraPtr makePerspectiveCamera(const PerspectiveParameters& parameters, const F
     return std::make_shared<PerspectiveCamera>(parameters, window);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

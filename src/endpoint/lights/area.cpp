@@ -4,7 +4,7 @@
 #include "endpoint/lights.h"
 #include "endpoint/lights/texture_table.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -209,4 +209,4 @@ LightPtr makeAreaLight(const AreaLightParameters& parameters) {
     return std::make_shared<AreaLight>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

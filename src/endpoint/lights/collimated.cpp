@@ -1,7 +1,7 @@
 #include "endpoint/lights.h"
 #include "endpoint/lights/emission.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -38,4 +38,4 @@ LightPtr makeCollimatedLight(const CollimatedLightParameters& parameters) {
     return std::make_shared<CollimatedLight>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,7 +1,7 @@
 #include "endpoint/lights.h"
 #include "endpoint/lights/infinite.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -48,4 +48,4 @@ LightPtr makeConstantLight(const ConstantLightParameters& parameters) {
     return std::make_shared<ConstantLight>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,7 +1,7 @@
 #include "endpoint/lights.h"
 #include "endpoint/lights/infinite.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -44,4 +44,4 @@ LightPtr makeDirectionalLight(const DirectionalLightParameters& parameters) {
     return std::make_shared<DirectionalLight>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

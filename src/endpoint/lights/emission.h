@@ -3,9 +3,9 @@
 #include "base/frame.h"
 #include "base/transform.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
-/// Throws Error when a light's colour is negative or not finite.
+/// Throws Error when a light's color is negative or not finite.
 inline void requireEmission(const Rgb& value, const char* light) {
     if (!isFinite(value) || value.x < 0 || value.y < 0 || value.z < 0)
         throw Error("{} light: the emission ({}, {}, {}) must be finite and not negative", light, value.x,
@@ -18,4 +18,4 @@ inline Frame localAxes(const Transform& toWorld) {
             normalize(toWorld.vector({0, 0, 1}))};
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

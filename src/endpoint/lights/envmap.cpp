@@ -3,7 +3,7 @@
 #include "endpoint/lights.h"
 #include "endpoint/lights/infinite.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -95,15 +95,15 @@ class EnvironmentMap final : public InfiniteLight {
         std::vector<float> table(size_t(rows) * columns);
         parallelFor(size_t(rows), [&](size_t row) {
             // The mean of sin over the row's interval, and the bilinear function's mean: its value at the
-            // centre.
+            // center.
             const double theta0 = std::numbers::pi * double(row) / rows,
                          theta1 = std::numbers::pi * double(row + 1) / rows;
             const float meanSin =
                 static_cast<float>((std::cos(theta0) - std::cos(theta1)) / (theta1 - theta0));
             for (int x = 0; x < columns; ++x) {
-                const Vec2f centre((static_cast<float>(x) + 0.5f) / static_cast<float>(columns),
+                const Vec2f center((static_cast<float>(x) + 0.5f) / static_cast<float>(columns),
                                    (static_cast<float>(row) + 0.5f) / static_cast<float>(rows));
-                table[row * columns + x] = luminance(lookup(centre)) * meanSin;
+                table[row * columns + x] = luminance(lookup(center)) * meanSin;
             }
         });
         table_ = Distribution2D(table, columns, rows);
@@ -138,4 +138,4 @@ LightPtr makeEnvironmentMap(EnvironmentMapParameters parameters) {
     return std::make_shared<EnvironmentMap>(std::move(parameters));
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 
 #include <array>
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -68,4 +68,4 @@ Rgb HosekSky::radiance(double cosTheta, double gamma) const {
     return result;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include "base/math.h"
 #include "endpoint/lights/hosek_sky_data.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 class HosekSky {
   public:
@@ -23,4 +23,4 @@ class HosekSky {
     double scale_[kHosekChannels];
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,7 +1,7 @@
 #include "endpoint/lights/hosek_sky_data.h"
 
-// The numbers are those of the colour-space version of the sample implementation of "An Analytic Model for
-// Full Spectral Sky-Dome Radiance" (version 1.1, 4 July 2012), as Mitsuba 0.6 distributes it. Its licence:
+// The numbers are those of the color-space version of the sample implementation of "An Analytic Model for
+// Full Spectral Sky-Dome Radiance" (version 1.1, 4 July 2012), as Mitsuba 0.6 distributes it. Its license:
 //
 // This source is published under the following 3-clause BSD license.
 //
@@ -30,7 +30,7 @@
 // NEGLIGENCE OR OTHERWISE) ARISING IN ANY WAY OUT OF THE USE OF THIS SOFTWARE, EVEN IF ADVISED OF THE
 // POSSIBILITY OF SUCH DAMAGE.
 
-namespace metrolux {
+namespace metrolux::core {
 
 // clang-format off
 const float kHosekSkyShape[kHosekChannels][kHosekAlbedos][kHosekTurbidities][kHosekControls][kHosekShapes] = {
@@ -556,4 +556,4 @@ const float kHosekSkyRadiance[kHosekChannels][kHosekAlbedos][kHosekTurbidities][
 };
 // clang-format on
 
-}  // namespace metrolux
+}  // namespace metrolux::core

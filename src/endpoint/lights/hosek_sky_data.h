@@ -1,7 +1,7 @@
 #pragma once
 /// The coefficients of Hosek & Wilkie's sky model for linear RGB (see hosek_sky.h).
 
-namespace metrolux {
+namespace metrolux::core {
 
 inline constexpr int kHosekChannels = 3;      ///< red, green, blue
 inline constexpr int kHosekAlbedos = 2;       ///< ground albedo 0 and 1
@@ -13,4 +13,4 @@ extern const float kHosekSkyShape[kHosekChannels][kHosekAlbedos][kHosekTurbiditi
                                  [kHosekShapes];
 extern const float kHosekSkyRadiance[kHosekChannels][kHosekAlbedos][kHosekTurbidities][kHosekControls];
 
-}  // namespace metrolux
+}  // namespace metrolux::core

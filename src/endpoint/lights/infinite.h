@@ -4,7 +4,7 @@
 #include "endpoint/light.h"
 #include "endpoint/lights/emission.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// What infinitely far lights share: rays that enter the scene through a disk of the bounding sphere's
 /// radius.
@@ -37,4 +37,4 @@ class InfiniteLight : public Light {
     SceneBounds bounds_;
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

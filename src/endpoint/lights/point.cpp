@@ -2,7 +2,7 @@
 #include "endpoint/lights.h"
 #include "endpoint/lights/emission.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -49,4 +49,4 @@ LightPtr makePointLight(const PointLightParameters& parameters) {
     return std::make_shared<PointLight>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

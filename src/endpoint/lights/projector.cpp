@@ -3,7 +3,7 @@
 #include "endpoint/lights/emission.h"
 #include "endpoint/lights/texture_table.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -91,4 +91,4 @@ LightPtr makeProjector(const ProjectorParameters& parameters) {
     return std::make_shared<Projector>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

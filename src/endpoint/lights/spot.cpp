@@ -4,7 +4,7 @@
 #include "endpoint/lights/emission.h"
 #include "endpoint/lights/texture_table.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -93,4 +93,4 @@ LightPtr makeSpotLight(const SpotLightParameters& parameters) {
     return std::make_shared<SpotLight>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 #include "endpoint/lights/hosek_sky.h"
 #include "endpoint/lights/infinite.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -128,7 +128,7 @@ class SunSky final : public InfiniteLight {
     }
     static float horizon(const SunSkyParameters& p) { return std::cos(0.5f * kPi * p.stretch); }
 
-    /// Where w lies on the disc: the share of the disc's solid angle that is nearer to its centre, or more
+    /// Where w lies on the disc: the share of the disc's solid angle that is nearer to its center, or more
     /// than 1. From the sine, which keeps its precision in so narrow a cone.
     float discShare(const Vec3f& w) const {
         const Vec3f d = sun_.toLocal(w);
@@ -218,4 +218,4 @@ class SunSky final : public InfiniteLight {
 
 LightPtr makeSunSky(const SunSkyParameters& parameters) { return std::make_shared<SunSky>(parameters); }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

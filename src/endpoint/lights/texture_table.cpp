@@ -1,6 +1,6 @@
 #include "endpoint/lights/texture_table.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 namespace {
 
@@ -43,4 +43,4 @@ Distribution2D luminanceTable(const Texture& texture) {
     return Distribution2D(table, width, height);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 Error nodeError(const Source& source, pugi::xml_node node, const std::string& message) {
     std::string text = node.name();
@@ -47,4 +47,4 @@ const std::string* Attributes::find(const char* name) const {
     return nullptr;
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

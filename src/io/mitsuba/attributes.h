@@ -7,7 +7,7 @@
 #include <initializer_list>
 #include <optional>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 /// Error text that begins with the node's place: `scene.xml:12: <rgb name="reflectance">: ...`.
 Error nodeError(const Source& source, pugi::xml_node node, const std::string& message);
@@ -36,4 +36,4 @@ class Attributes {
 /// after those before it.
 Transform parseTransform(const Source& source, pugi::xml_node node, Parameters& parameters, bool legacy);
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

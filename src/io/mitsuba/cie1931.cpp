@@ -1,8 +1,8 @@
 #include "io/mitsuba/cie1931.h"
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
-// CIE 1931 2-degree colour matching functions (CIE 018:2019 and earlier tables), 360 to 830 nm in steps of 5
+// CIE 1931 2-degree color matching functions (CIE 018:2019 and earlier tables), 360 to 830 nm in steps of 5
 // nm.
 // clang-format off
 const std::array<float, kCieSamples> kCieX = {
@@ -37,4 +37,4 @@ const std::array<float, kCieSamples> kCieZ = {
     0.00034f, 0.00024f, 0.00019f, 0.0001f, 4.999999e-05f, 3e-05f, 2e-05f, 1e-05f};  // zero beyond 645 nm
 // clang-format on
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -2,7 +2,7 @@
 
 #include "io/mitsuba/parser.h"
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 std::filesystem::path LoadContext::resolve(const Element& element, const std::string& filename) {
     try {
@@ -12,4 +12,4 @@ std::filesystem::path LoadContext::resolve(const Element& element, const std::st
     }
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -17,7 +17,7 @@
 #include <unordered_map>
 #include <vector>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 /// What the command line says about the film: makeCamera applies it over the scene's own.
 struct FilmOverride {
@@ -60,7 +60,7 @@ void addShape(const Element& element, LoadContext& context, SceneParts& parts); 
 void readIntegrator(const Element& element, LoadContext& context,
                     SceneParts& parts);  // plugins_integrator.cpp
 
-/// A property that may be a number, a colour, a spectrum or a texture: reflectance-like, converted as such.
+/// A property that may be a number, a color, a spectrum or a texture: reflectance-like, converted as such.
 TexturePtr textureProperty(const Element& element, const std::string& name, LoadContext& context,
                            const Rgb& fallback);
 /// The same for a scalar (roughness, weight ...).
@@ -73,4 +73,4 @@ TexturePtr emissionProperty(const Element& element, const std::string& name, Loa
 Rgb unboundedColor(const Element& element, const std::string& name, LoadContext& context,
                    const Rgb& fallback);
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

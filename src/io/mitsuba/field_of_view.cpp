@@ -2,7 +2,7 @@
 
 #include "io/mitsuba/values.h"
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 FieldOfView readFieldOfView(const Element& element) {
     if (element.has("fov") && element.has("focal_length"))
@@ -29,16 +29,16 @@ FieldOfView readFieldOfView(const Element& element) {
     element.ignore("fov_axis");  // a focal length is always about the diagonal
     std::string length = element.string("focal_length", "50mm");
     if (length.ends_with("mm")) length.resize(length.size() - 2);
-    double millimetres = 0;
+    double millimeters = 0;
     try {
-        millimetres = parseNumber(length);
+        millimeters = parseNumber(length);
     } catch (const Error& problem) {
         throw element.error(std::string("\"focal_length\": ") + problem.what());
     }
-    if (!(millimetres > 0)) throw element.error("\"focal_length\" must be positive");
+    if (!(millimeters > 0)) throw element.error("\"focal_length\" must be positive");
     constexpr double kFilmDiagonal = 43.266615305567875;  // of a 36 mm x 24 mm frame
     result.degrees =
-        static_cast<float>(2 * std::atan(kFilmDiagonal / (2 * millimetres)) * (180 / std::numbers::pi));
+        static_cast<float>(2 * std::atan(kFilmDiagonal / (2 * millimeters)) * (180 / std::numbers::pi));
     result.axis = FovAxis::Diagonal;
     return result;
 }
@@ -53,4 +53,4 @@ bool isSimilarity(const Transform& transform) {
            same(dot(y, z), 0) && same(dot(z, x), 0);
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -2,7 +2,7 @@
 #include "endpoint/camera.h"
 #include "io/mitsuba/properties.h"
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 /// The angle that a perspective camera or a projector takes in.
 struct FieldOfView {
@@ -18,4 +18,4 @@ FieldOfView readFieldOfView(const Element& element);
 /// Whether the map is a rotation, translation, reflection and uniform scaling.
 bool isSimilarity(const Transform& transform);
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -4,7 +4,7 @@
 
 #include <cctype>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 /// Defaults may use earlier defaults, which could double the length at each step.
@@ -83,4 +83,4 @@ void Parameters::checkDefinesUsed(const std::string& file) const {
     }
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 class Parameters {
   public:
@@ -30,4 +30,4 @@ class Parameters {
     std::map<std::string, Entry> entries_;
 };
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

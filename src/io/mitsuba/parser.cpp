@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <charconv>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 namespace fs = std::filesystem;
@@ -386,4 +386,4 @@ ParsedScene parseScene(const fs::path& file, const std::map<std::string, std::st
     return Parser(defines, lenient, memory).run(file);
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 struct ParsedScene {
     ElementPtr root;                      ///< <scene>; its objects are children, in order of appearance
@@ -32,4 +32,4 @@ ParsedScene parseScene(const std::filesystem::path& file, const std::map<std::st
 std::filesystem::path findFile(const std::string& filename, const std::filesystem::path& from,
                                const std::vector<std::filesystem::path>& searchPaths);
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

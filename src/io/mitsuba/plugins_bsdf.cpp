@@ -22,7 +22,7 @@
 #include "scattering/two_sided.h"
 #include "scattering/ward.h"
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 std::string joined(const std::vector<std::string>& names) {
@@ -36,7 +36,7 @@ struct Source {
     const Element& element;
     LoadContext& context;
 
-    TexturePtr colour(const std::string& name, float fallback) const {
+    TexturePtr color(const std::string& name, float fallback) const {
         return textureProperty(element, name, context, Rgb(fallback));
     }
     TexturePtr scalar(const std::string& name, float fallback) const {
@@ -127,7 +127,7 @@ void readConductor(const Source& s, Parameters& p) {
         p.eta = makeConstantTexture(p.eta->mean() * (1 / exterior));
         p.k = makeConstantTexture(p.k->mean() * (1 / exterior));
     }
-    p.specularReflectance = s.colour("specular_reflectance", 1);
+    p.specularReflectance = s.color("specular_reflectance", 1);
 }
 
 MicrofacetType readDistribution(const Source& s) {
@@ -149,25 +149,25 @@ void readRoughness(const Source& s, Parameters& p) {
     p.alphaV = u ? s.scalar("alpha_v", 0.1f) : p.alphaU;
 }
 
-BsdfPtr diffuse(const Source& s) { return makeDiffuse({s.colour("reflectance", 0.5f)}); }
+BsdfPtr diffuse(const Source& s) { return makeDiffuse({s.color("reflectance", 0.5f)}); }
 
 BsdfPtr dielectric(const Source& s) {
     return s.make(makeDielectric,
-                  DielectricParameters{s.relativeIor("bk7"), s.colour("specular_reflectance", 1),
-                                       s.colour("specular_transmittance", 1)});
+                  DielectricParameters{s.relativeIor("bk7"), s.color("specular_reflectance", 1),
+                                       s.color("specular_transmittance", 1)});
 }
 
 BsdfPtr thinDielectric(const Source& s) {
     return s.make(makeThinDielectric,
-                  ThinDielectricParameters{s.relativeIor("bk7"), s.colour("specular_reflectance", 1),
-                                           s.colour("specular_transmittance", 1)});
+                  ThinDielectricParameters{s.relativeIor("bk7"), s.color("specular_reflectance", 1),
+                                           s.color("specular_transmittance", 1)});
 }
 
 BsdfPtr roughDielectric(const Source& s) {
     RoughDielectricParameters p;
     p.eta = s.relativeIor("bk7");
-    p.specularReflectance = s.colour("specular_reflectance", 1);
-    p.specularTransmittance = s.colour("specular_transmittance", 1);
+    p.specularReflectance = s.color("specular_reflectance", 1);
+    p.specularTransmittance = s.color("specular_transmittance", 1);
     p.distribution = readDistribution(s);
     readRoughness(s, p);
     return s.make(makeRoughDielectric, p);
@@ -190,8 +190,8 @@ BsdfPtr roughConductor(const Source& s) {
 BsdfPtr plastic(const Source& s) {
     PlasticParameters p;
     p.eta = s.relativeIor("polypropylene");
-    p.diffuseReflectance = s.colour("diffuse_reflectance", 0.5f);
-    p.specularReflectance = s.colour("specular_reflectance", 1);
+    p.diffuseReflectance = s.color("diffuse_reflectance", 0.5f);
+    p.specularReflectance = s.color("specular_reflectance", 1);
     p.nonlinear = s.element.boolean("nonlinear", false);
     return s.make(makePlastic, p);
 }
@@ -199,8 +199,8 @@ BsdfPtr plastic(const Source& s) {
 BsdfPtr roughPlastic(const Source& s) {
     RoughPlasticParameters p;
     p.eta = s.relativeIor("polypropylene");
-    p.diffuseReflectance = s.colour("diffuse_reflectance", 0.5f);
-    p.specularReflectance = s.colour("specular_reflectance", 1);
+    p.diffuseReflectance = s.color("diffuse_reflectance", 0.5f);
+    p.specularReflectance = s.color("specular_reflectance", 1);
     p.nonlinear = s.element.boolean("nonlinear", false);
     p.distribution = readDistribution(s);
     p.alpha = s.element.number("alpha", 0.1f);
@@ -209,8 +209,8 @@ BsdfPtr roughPlastic(const Source& s) {
 
 BsdfPtr phong(const Source& s) {
     PhongParameters p;
-    p.diffuseReflectance = s.colour("diffuse_reflectance", 0.5f);
-    p.specularReflectance = s.colour("specular_reflectance", 0.2f);
+    p.diffuseReflectance = s.color("diffuse_reflectance", 0.5f);
+    p.specularReflectance = s.color("specular_reflectance", 0.2f);
     p.exponent = s.scalar("exponent", 30);
     return s.make(makePhong, p);
 }
@@ -226,8 +226,8 @@ BsdfPtr ward(const Source& s) {
         throw s.element.error(
             fmt::format("found the variant \"{}\", expected ward, ward-duer or balanced", variant));
     }
-    p.diffuseReflectance = s.colour("diffuse_reflectance", 0.5f);
-    p.specularReflectance = s.colour("specular_reflectance", 0.2f);
+    p.diffuseReflectance = s.color("diffuse_reflectance", 0.5f);
+    p.specularReflectance = s.color("specular_reflectance", 0.2f);
     readRoughness(s, p);
     return s.make(makeWard, p);
 }
@@ -235,7 +235,7 @@ BsdfPtr ward(const Source& s) {
 /// What the two principled models have in common.
 template <class Parameters>
 void readPrincipled(const Source& s, Parameters& p) {
-    p.baseColor = s.colour("base_color", 0.5f);
+    p.baseColor = s.color("base_color", 0.5f);
     p.roughness = s.scalar("roughness", 0.5f);
     p.anisotropic = s.scalar("anisotropic", 0);
     p.specTrans = s.scalar("spec_trans", 0);
@@ -331,7 +331,7 @@ BsdfPtr unknown(const Element& element, LoadContext& context) {
                                     ? fmt::format("unknown BSDF type, expected one of: {}", joined(names))
                                     : fmt::format("unknown BSDF type; did you mean \"{}\"?", nearest);
     if (!context.lenient) throw element.error(message);
-    context.warn(element, message + " (a grey diffuse surface stands in)");
+    context.warn(element, message + " (a gray diffuse surface stands in)");
     return makeDiffuse({makeConstantTexture(Rgb(0.5f))});
 }
 
@@ -352,4 +352,4 @@ BsdfPtr makeBsdf(const Element& element, LoadContext& context) {
     return result;
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

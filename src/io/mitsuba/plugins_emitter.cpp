@@ -4,7 +4,7 @@
 #include "io/mitsuba/field_of_view.h"
 #include "io/mitsuba/plugins_sunsky.h"
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 namespace {
 
@@ -154,10 +154,11 @@ LightPtr makeAreaLight(const Element& element, const Shape& shape, LoadContext& 
     if (element.type != "area") throw element.error("a shape's emitter has to be of type \"area\"");
     readSamplingWeight(element, context);
     LightPtr light = located(element, [&] {
-        return metrolux::makeAreaLight({&shape, emissionProperty(element, "radiance", context, Rgb(1.0f))});
+        return metrolux::core::makeAreaLight(
+            {&shape, emissionProperty(element, "radiance", context, Rgb(1.0f))});
     });
     element.checkAllUsed(context.lenient, context.warnings);
     return light;
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -125,4 +125,4 @@ void readIntegrator(const Element& element, LoadContext& context, SceneParts& pa
     element.checkAllUsed(context.lenient, context.warnings);
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

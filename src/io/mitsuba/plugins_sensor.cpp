@@ -1,7 +1,7 @@
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/field_of_view.h"
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 namespace {
 
@@ -234,4 +234,4 @@ CameraPtr makeCamera(const Element& element, LoadContext& context, SceneParts& p
     return camera;
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 namespace {
 
@@ -203,4 +203,4 @@ void addShape(const Element& element, LoadContext& context, SceneParts& parts) {
         parts.shapes.push_back(std::move(shape));
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -5,7 +5,7 @@
 #include "io/mitsuba/solar_position.h"
 #include "io/mitsuba/sun_spectrum.h"
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 namespace {
 
@@ -163,4 +163,4 @@ LightPtr makeSunSkyLight(const Element& element, LoadContext& context) {
     return makeSunSky(p);
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

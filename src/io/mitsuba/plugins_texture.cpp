@@ -10,7 +10,7 @@
 
 #include <array>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 const std::vector<std::string> kTextureTypes = {"bitmap", "checkerboard", "mesh_attribute", "rawconstant"};
@@ -36,7 +36,7 @@ T choice(const Element& element, const std::string& name,
     throw element.error(*property, fmt::format("found \"{}\", expected one of: {}", found, known));
 }
 
-/// Colours of an image without its alpha channel: 1 or 3 channels.
+/// Colors of an image without its alpha channel: 1 or 3 channels.
 std::vector<float> withoutAlpha(ImageData&& image, int channels) {
     if (image.channels == channels) return std::move(image.pixels);
     std::vector<float> result;
@@ -100,7 +100,7 @@ std::string joined(const std::vector<std::string>& names) {
     return result;
 }
 
-/// The colour of a number, <rgb> or <spectrum>, or nothing when the property is an element.
+/// The color of a number, <rgb> or <spectrum>, or nothing when the property is an element.
 std::optional<Rgb> constantColor(const Element& element, const Property& property,
                                  Rgb (*convert)(const SpectrumValue&)) {
     property.used = true;
@@ -123,7 +123,7 @@ TexturePtr nestedTexture(const Element& element, const Property& property, LoadC
 
 /// What the squares hold is known to the reader of the texture only, so that no range is imposed here.
 TexturePtr checkerboard(const Element& element, LoadContext& context, bool emission) {
-    const auto colour = [&](const std::string& name, float fallback) {
+    const auto color = [&](const std::string& name, float fallback) {
         const Property* property = element.find(name);
         if (!property) return makeConstantTexture(Rgb(fallback));
         const auto value =
@@ -131,8 +131,8 @@ TexturePtr checkerboard(const Element& element, LoadContext& context, bool emiss
         return value ? makeConstantTexture(*value) : nestedTexture(element, *property, context, emission);
     };
     CheckerboardParameters p;
-    p.color0 = colour("color0", 0.4f);
-    p.color1 = colour("color1", 0.2f);
+    p.color0 = color("color0", 0.4f);
+    p.color1 = color("color1", 0.2f);
     p.toUv = uvTransform(element);
     return makeCheckerboard(p);
 }
@@ -157,7 +157,7 @@ TexturePtr makeTexture(const Element& element, LoadContext& context, bool emissi
             nearest.empty() ? fmt::format("unknown texture type, expected one of: {}", joined(kTextureTypes))
                             : fmt::format("unknown texture type; did you mean \"{}\"?", nearest);
         if (!context.lenient) throw element.error(message);
-        context.warn(element, message + " (a grey of 0.5 stands in)");
+        context.warn(element, message + " (a gray of 0.5 stands in)");
         result = makeConstantTexture(Rgb(0.5f));
         context.built[&element] = result;
         return result;
@@ -171,13 +171,13 @@ TexturePtr textureProperty(const Element& element, const std::string& name, Load
                            const Rgb& fallback) {
     const Property* property = element.find(name);
     if (!property) return makeConstantTexture(fallback);
-    const std::optional<Rgb> colour = constantColor(element, *property, reflectanceFromSpectrum);
-    if (!colour) return nestedTexture(element, *property, context, false);
-    Rgb clamped = *colour;
+    const std::optional<Rgb> color = constantColor(element, *property, reflectanceFromSpectrum);
+    if (!color) return nestedTexture(element, *property, context, false);
+    Rgb clamped = *color;
     for (int k = 0; k < 3; ++k) clamped[k] = std::clamp(clamped[k], 0.0f, 1.0f);
-    if (clamped != *colour)
-        context.warn(element, fmt::format("\"{}\" is ({}, {}, {}), limited to [0, 1]", name, colour->x,
-                                          colour->y, colour->z));
+    if (clamped != *color)
+        context.warn(element, fmt::format("\"{}\" is ({}, {}, {}), limited to [0, 1]", name, color->x,
+                                          color->y, color->z));
     return makeConstantTexture(clamped);
 }
 
@@ -185,28 +185,28 @@ TexturePtr scalarTextureProperty(const Element& element, const std::string& name
                                  float fallback) {
     const Property* property = element.find(name);
     if (!property) return makeConstantTexture(Rgb(fallback));
-    const std::optional<Rgb> colour = constantColor(element, *property, unboundedFromSpectrum);
-    return colour ? makeConstantTexture(*colour) : nestedTexture(element, *property, context, false);
+    const std::optional<Rgb> color = constantColor(element, *property, unboundedFromSpectrum);
+    return color ? makeConstantTexture(*color) : nestedTexture(element, *property, context, false);
 }
 
 TexturePtr emissionProperty(const Element& element, const std::string& name, LoadContext& context,
                             const Rgb& fallback) {
     const Property* property = element.find(name);
     if (!property) return makeConstantTexture(fallback);
-    const std::optional<Rgb> colour = constantColor(element, *property, emissionFromSpectrum);
-    if (!colour) return nestedTexture(element, *property, context, true);
-    if (std::min({colour->x, colour->y, colour->z}) < 0)
+    const std::optional<Rgb> color = constantColor(element, *property, emissionFromSpectrum);
+    if (!color) return nestedTexture(element, *property, context, true);
+    if (std::min({color->x, color->y, color->z}) < 0)
         throw element.error(*property, "found a negative value, expected an emission of zero or more");
-    return makeConstantTexture(*colour);
+    return makeConstantTexture(*color);
 }
 
 Rgb unboundedColor(const Element& element, const std::string& name, LoadContext&, const Rgb& fallback) {
     const Property* property = element.find(name);
     if (!property) return fallback;
-    const std::optional<Rgb> colour = constantColor(element, *property, unboundedFromSpectrum);
-    if (!colour)
+    const std::optional<Rgb> color = constantColor(element, *property, unboundedFromSpectrum);
+    if (!color)
         throw element.error(*property, "found an element, expected a number, an <rgb> or a <spectrum>");
-    return *colour;
+    return *color;
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

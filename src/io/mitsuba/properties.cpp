@@ -4,7 +4,7 @@
 #include <cctype>
 #include <cmath>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 std::string shortened(const std::string& text) {
@@ -23,7 +23,7 @@ std::string describe(const Property& property) {
             return fmt::format("the vector ({}, {}, {})", v.x, v.y, v.z);
         }
         std::string operator()(const Transform&) const { return "a transform"; }
-        std::string operator()(const RgbValue&) const { return "a colour"; }
+        std::string operator()(const RgbValue&) const { return "a color"; }
         std::string operator()(const SpectrumValue&) const { return "a spectrum"; }
         std::string operator()(const ElementPtr& v) const {
             return v ? fmt::format("a <{} type=\"{}\">", v->tag, v->type) : std::string("nothing");
@@ -169,4 +169,4 @@ void Element::checkAllUsed(bool lenient, std::vector<std::string>& warnings) con
     }
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -17,7 +17,7 @@
 #include <variant>
 #include <vector>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 /// Where something stands, for messages: "scene.xml:12".
 struct Location {
@@ -36,7 +36,7 @@ struct RgbValue {
 /// <spectrum value="..."/> or a blackbody: wavelength-value pairs, or one uniform value. Converted by what
 /// reads it, because reflectances and emission convert differently (io/mitsuba/spectrum.h).
 struct SpectrumValue {
-    std::vector<float> wavelengths;  ///< nanometres, ascending; empty for a uniform value
+    std::vector<float> wavelengths;  ///< nanometers, ascending; empty for a uniform value
     std::vector<float> values;
     float blackbodyKelvin = 0;  ///< > 0: Planck's law, `values[0]` is the scale
 };
@@ -95,4 +95,4 @@ class Element {
     mutable std::vector<std::string> known_;  // names that were asked for: candidates for suggestions
 };
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <unordered_map>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 std::string nameOf(const Element& element) {
@@ -158,4 +158,4 @@ void References::checkGraph() const {
         fmt::format("references form a cycle: {} -> {}", nameOf(*elements_[at]), cycle));
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

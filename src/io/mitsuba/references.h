@@ -8,7 +8,7 @@
 #include <set>
 #include <vector>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 /// Elements inside elements, references followed: what a plugin's factory may have to recurse.
 inline constexpr int kMaxDepth = 256;
@@ -57,4 +57,4 @@ class References {
     std::set<const Element*> referenced_;
 };
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 namespace {
 
@@ -53,4 +53,4 @@ SolarPosition solarPosition(const DateAndPlace& when) {
     return result;
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -5,7 +5,7 @@
 
 #include <cstdint>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 /// The defaults are Mitsuba's: Tokyo, 10 July 2010, 3 pm.
 struct DateAndPlace {
@@ -22,4 +22,4 @@ struct SolarPosition {
 
 SolarPosition solarPosition(const DateAndPlace& when);
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <fstream>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 /// Far above any scene description (meshes and images are files of their own).
@@ -111,4 +111,4 @@ Location Source::at(ptrdiff_t offset) const {
     return {file_.string(), static_cast<int>(line - lineStarts_.begin())};
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

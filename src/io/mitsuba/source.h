@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 class Source {
   public:
@@ -29,4 +29,4 @@ class Source {
     pugi::xml_document document_;
 };
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

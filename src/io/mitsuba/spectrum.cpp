@@ -2,7 +2,7 @@
 
 #include "io/mitsuba/cie1931.h"
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 namespace {
 
@@ -14,26 +14,26 @@ struct Xyz {
 };
 
 /// Planck's law: W per m^2 per sr per nm.
-double planck(double nanometres, double kelvin) {
+double planck(double nanometers, double kelvin) {
     constexpr double kLight = 299792458.0, kPlanck = 6.62607015e-34, kBoltzmann = 1.380649e-23;
-    const double lambda = nanometres * 1e-9;
+    const double lambda = nanometers * 1e-9;
     const double exponent = kPlanck * kLight / (lambda * kBoltzmann * kelvin);
     return 1e-9 * 2 * kPlanck * kLight * kLight / (std::pow(lambda, 5) * std::expm1(exponent));
 }
 
 /// Linear between the given wavelengths, zero outside.
-double interpolate(const SpectrumValue& s, double nanometres) {
-    const auto above = std::upper_bound(s.wavelengths.begin(), s.wavelengths.end(), nanometres);
+double interpolate(const SpectrumValue& s, double nanometers) {
+    const auto above = std::upper_bound(s.wavelengths.begin(), s.wavelengths.end(), nanometers);
     if (above == s.wavelengths.begin()) return 0;
-    if (above == s.wavelengths.end()) return s.wavelengths.back() == nanometres ? s.values.back() : 0;
+    if (above == s.wavelengths.end()) return s.wavelengths.back() == nanometers ? s.values.back() : 0;
     const size_t i = static_cast<size_t>(above - s.wavelengths.begin()) - 1;
     const double w0 = s.wavelengths[i], w1 = s.wavelengths[i + 1];
-    const double t = (nanometres - w0) / (w1 - w0);
+    const double t = (nanometers - w0) / (w1 - w0);
     return (1 - t) * s.values[i] + t * s.values[i + 1];
 }
 
-Xyz observer(double nanometres) {
-    const double t = (nanometres - kCieFirst) * ((kCieSamples - 1) / (kCieLast - kCieFirst));
+Xyz observer(double nanometers) {
+    const double t = (nanometers - kCieFirst) * ((kCieSamples - 1) / (kCieLast - kCieFirst));
     const int i = std::clamp(static_cast<int>(t), 0, kCieSamples - 2);
     const double w = t - i;
     const auto at = [&](const std::array<float, kCieSamples>& table) {
@@ -47,10 +47,10 @@ Xyz integrate(const SpectrumValue& s) {
     constexpr int kSteps = 1000;
     Xyz sum;
     for (int i = 0; i < kSteps; ++i) {
-        const double nanometres = kCieFirst + (kCieLast - kCieFirst) * i / (kSteps - 1);
-        const double value = s.blackbodyKelvin > 0 ? planck(nanometres, s.blackbodyKelvin) * s.values[0]
-                                                   : interpolate(s, nanometres);
-        const Xyz o = observer(nanometres);
+        const double nanometers = kCieFirst + (kCieLast - kCieFirst) * i / (kSteps - 1);
+        const double value = s.blackbodyKelvin > 0 ? planck(nanometers, s.blackbodyKelvin) * s.values[0]
+                                                   : interpolate(s, nanometers);
+        const Xyz o = observer(nanometers);
         sum.x += o.x * value;
         sum.y += o.y * value;
         sum.z += o.z * value;
@@ -86,4 +86,4 @@ Rgb emissionFromSpectrum(const SpectrumValue& spectrum) { return clampBelow(conv
 
 Rgb unboundedFromSpectrum(const SpectrumValue& spectrum) { return clampBelow(convert(spectrum)); }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

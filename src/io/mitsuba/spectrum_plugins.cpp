@@ -2,7 +2,7 @@
 
 #include "io/mitsuba/values.h"
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 std::vector<float> numbers(const Element& element, const std::string& name) {
@@ -49,7 +49,7 @@ SpectrumValue blackbody(const Element& element) {
 
 /// In RGB rendering the white of sRGB is D65, so that its spectrum is (1, 1, 1), or the `color` it is to
 /// modulate.
-RgbValue colour(const Element& element) {
+RgbValue color(const Element& element) {
     RgbValue result{Rgb(1.0f)};
     if (const Property* property = element.find("color")) {
         const RgbValue* value = std::get_if<RgbValue>(&property->value);
@@ -75,7 +75,7 @@ decltype(Property::value) spectrumFromPlugin(const Element& element) {
         } else if (element.type == "blackbody") {
             result = blackbody(element);
         } else if (element.type == "d65" || element.type == "srgb") {
-            result = colour(element);
+            result = color(element);
         } else {
             const std::string nearest =
                 nearestName(element.type, {"uniform", "regular", "irregular", "blackbody", "d65", "srgb"});
@@ -92,4 +92,4 @@ decltype(Property::value) spectrumFromPlugin(const Element& element) {
     return result;
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

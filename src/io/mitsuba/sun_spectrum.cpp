@@ -6,7 +6,7 @@
 #include <numbers>
 #include <span>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 namespace {
 
@@ -35,7 +35,7 @@ constexpr Sample kOzone[] = {
     {620, 0.105f}, {630, 0.09f}, {640, 0.079f}, {650, 0.067f}, {660, 0.057f}, {670, 0.048f}, {680, 0.036f},
     {690, 0.028f}, {700, 0.023f}, {710, 0.018f}, {720, 0.014f}, {730, 0.011f}, {740, 0.01f}, {750, 0.009f},
     {760, 0.007f}};
-/// Absorption of water vapour.
+/// Absorption of water vapor.
 constexpr Sample kWater[] = {{689, 0}, {690, 0.016f}, {700, 0.024f}, {710, 0.0125f}, {720, 1.0f}, {730, 0.87f},
                              {740, 0.061f}, {750, 0.001f}};
 // Mixed gases absorb from 759 nm on, where the table of the sun has ended.
@@ -88,15 +88,15 @@ SpectrumValue sunSpectrum(double zenith, double turbidity) {
     const double mass = 1 / (std::cos(zenith) + 0.15 * std::pow(93.885 - degrees, -1.253));
     SpectrumValue result;
     for (int wavelength = 380; wavelength <= 750; wavelength += 5) {
-        const double micrometres = wavelength / 1000.0;
-        const double rayleigh = 0.008735 * std::pow(micrometres, -4.08);
-        const double aerosol = beta * std::pow(micrometres, -kAngstromExponent);
+        const double micrometers = wavelength / 1000.0;
+        const double rayleigh = 0.008735 * std::pow(micrometers, -4.08);
+        const double aerosol = beta * std::pow(micrometers, -kAngstromExponent);
         const double ozone = interpolate(kOzone, wavelength) * kOzoneCm;
         const double water = interpolate(kWater, wavelength) * kWaterCm;
-        const double vapour = 0.2385 * water / std::pow(1 + 20.07 * water * mass, 0.45);
+        const double vapor = 0.2385 * water / std::pow(1 + 20.07 * water * mass, 0.45);
         result.wavelengths.push_back(static_cast<float>(wavelength));
         result.values.push_back(static_cast<float>(interpolate(kSun, wavelength) *
-                                                   std::exp(-mass * (rayleigh + aerosol + ozone + vapour))));
+                                                   std::exp(-mass * (rayleigh + aerosol + ozone + vapor))));
     }
     return result;
 }
@@ -121,4 +121,4 @@ std::vector<Rgb> sunProfile(double zenith, double turbidity, int steps) {
     return profile;
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

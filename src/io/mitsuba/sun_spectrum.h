@@ -5,14 +5,14 @@
 
 #include "io/mitsuba/properties.h"
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 /// Mean radiance of the sun's disc in W / (m^2 sr nm) at an angle from the zenith (radians, up to pi/2).
 SpectrumValue sunSpectrum(double zenith, double turbidity);
 
-/// The same as linear RGB, at `steps` equal steps of area from the disc's centre to its limb, darkened toward
+/// The same as linear RGB, at `steps` equal steps of area from the disc's center to its limb, darkened toward
 /// the limb (Neckel & Labs 1994 in the fit of Hosek & Wilkie 2013) such that the mean over the disc is that
 /// of sunSpectrum. One step: the uniform disc.
 std::vector<Rgb> sunProfile(double zenith, double turbidity, int steps);
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -1,7 +1,7 @@
 #include "io/mitsuba/attributes.h"
 #include "io/mitsuba/values.h"
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 /// x, y, z, each with a default, or all of them as `value`.
@@ -91,4 +91,4 @@ Transform parseTransform(const Source& source, pugi::xml_node node, Parameters& 
     return result;
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -4,7 +4,7 @@
 #include <cctype>
 #include <set>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 bool isLower(char c) { return std::islower(static_cast<unsigned char>(c)); }
@@ -150,4 +150,4 @@ void upgradeElement(Element& element, std::vector<std::string>& warnings) {
     Upgrade(element, warnings).run();
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 /// toWorld to to_world, intIOR to int_ior (Mitsuba 3's rule: an underscore between a lower and an upper case
 /// letter).
@@ -16,4 +16,4 @@ std::string snakeCase(const std::string& name);
 /// Throws Error if two properties get the same name.
 void upgradeElement(Element& element, std::vector<std::string>& warnings);
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <fstream>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 constexpr uintmax_t kMaxSpectrumBytes = 16u << 20;
@@ -105,7 +105,7 @@ Rgb parseRgb(std::string_view text) {
         uint32_t code = 0;
         const auto [end, status] = std::from_chars(body.data() + 1, body.data() + body.size(), code, 16);
         if (body.size() != 7 || status != std::errc() || end != body.data() + body.size())
-            throw Error("found {}, expected a colour of the form #rrggbb", quoted(text));
+            throw Error("found {}, expected a color of the form #rrggbb", quoted(text));
         return {static_cast<float>(code >> 16) / 255.0f, static_cast<float>((code >> 8) & 255u) / 255.0f,
                 static_cast<float>(code & 255u) / 255.0f};
     }
@@ -125,7 +125,7 @@ void checkSpectrum(const SpectrumValue& spectrum) {
         throw Error("found {} wavelengths and {} values, expected as many of both",
                     spectrum.wavelengths.size(), spectrum.values.size());
     if (!(spectrum.wavelengths.front() > 0))
-        throw Error("found the wavelength {}, expected positive nanometres", spectrum.wavelengths.front());
+        throw Error("found the wavelength {}, expected positive nanometers", spectrum.wavelengths.front());
     for (size_t i = 1; i < spectrum.wavelengths.size(); ++i)
         if (!(spectrum.wavelengths[i] > spectrum.wavelengths[i - 1]))
             throw Error("found the wavelength {} after {}, expected ascending wavelengths",
@@ -191,4 +191,4 @@ SpectrumValue parseBlackbody(std::string_view temperature, std::string_view scal
     return spectrum;
 }
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -7,7 +7,7 @@
 #include <filesystem>
 #include <string_view>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 
 /// Finite; white space around it is allowed, anything else is not.
 double parseNumber(std::string_view text);
@@ -24,7 +24,7 @@ Vec3f parseVec3(std::string_view text);
 Rgb parseRgb(std::string_view text);
 /// The same with sRGB's transfer curve, decoded to linear.
 Rgb parseSrgb(std::string_view text);
-/// One value, or a list of wavelength:value with ascending wavelengths in nanometres.
+/// One value, or a list of wavelength:value with ascending wavelengths in nanometers.
 SpectrumValue parseSpectrum(std::string_view text);
 /// Text file of lines "wavelength value", `#` begins a comment.
 SpectrumValue readSpectrumFile(const std::filesystem::path& file);
@@ -33,4 +33,4 @@ SpectrumValue parseBlackbody(std::string_view temperature, std::string_view scal
 /// Throws unless the wavelengths are positive and ascending and there is a value for each.
 void checkSpectrum(const SpectrumValue& spectrum);
 
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

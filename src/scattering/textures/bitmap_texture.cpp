@@ -7,7 +7,7 @@
 #include <bit>
 #include <optional>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class BitmapTexture final : public Texture {
@@ -37,7 +37,7 @@ class BitmapTexture final : public Texture {
         return image_.channels == 1 ? c.x : luminance(c);
     }
 
-    /// Bilinear: the derivative of the patch. Nearest has none; the central difference of the neighbour
+    /// Bilinear: the derivative of the patch. Nearest has none; the central difference of the neighbor
     /// texels stands in for it.
     Vec2f gradient(const SurfaceInteraction& si) const override {
         const Vec2f p = pixelPosition(si);
@@ -50,8 +50,8 @@ class BitmapTexture final : public Texture {
             const Patch patch = patchAt(p);
             const float h00 = height(patch.c00), h10 = height(patch.c10), h01 = height(patch.c01),
                         h11 = height(patch.c11);
-            perTexel = {metrolux::lerp(patch.fy, h10 - h00, h11 - h01),
-                        metrolux::lerp(patch.fx, h01 - h00, h11 - h10)};
+            perTexel = {metrolux::core::lerp(patch.fy, h10 - h00, h11 - h01),
+                        metrolux::core::lerp(patch.fx, h01 - h00, h11 - h10)};
         }
         return image_.toUv.pullBack(
             {perTexel.x * static_cast<float>(image_.width), perTexel.y * static_cast<float>(image_.height)});
@@ -62,8 +62,8 @@ class BitmapTexture final : public Texture {
         const float half = nearest() ? 0.0f : 0.5f;
         const int x = wrap(floorInt(p.x - half), image_.width), y = floorInt(p.y - half);
         const auto ask = [&](size_t i) {
-            metrolux::prefetch(palette_ ? static_cast<const void*>(&palette_->codes[i])
-                                        : &(*image_.pixels)[i]);
+            metrolux::core::prefetch(palette_ ? static_cast<const void*>(&palette_->codes[i])
+                                              : &(*image_.pixels)[i]);
         };
         ask(index(x, wrap(y, image_.height)));
         if (!nearest()) ask(index(x, wrap(y + 1, image_.height)));
@@ -183,4 +183,4 @@ TexturePtr makeBitmapTexture(const BitmapTextureParameters& p) {
     return std::make_shared<BitmapTexture>(p);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// An image as a texture. Orientation as in Mitsuba 3: after `toUv`, (0, 0) is the corner of the first pixel
 /// of the first row, v grows from row to row. (Meshes whose files count v upward, OBJ among them, flip it
@@ -24,4 +24,4 @@ struct BitmapTextureParameters {
 /// Throws Error when the sizes and the data do not fit together.
 TexturePtr makeBitmapTexture(const BitmapTextureParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

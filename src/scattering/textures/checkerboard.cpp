@@ -1,6 +1,6 @@
 #include "scattering/textures/checkerboard.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class Checkerboard final : public Texture {
@@ -42,4 +42,4 @@ TexturePtr makeCheckerboard(const CheckerboardParameters& parameters) {
     return std::make_shared<Checkerboard>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

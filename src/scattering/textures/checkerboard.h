@@ -2,7 +2,7 @@
 #include "scattering/texture.h"
 #include "scattering/textures/uv_transform.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Two by two squares on the unit square of uv: color0 on the diagonal that contains the origin, color1
 /// elsewhere.
@@ -12,4 +12,4 @@ struct CheckerboardParameters {
 };
 TexturePtr makeCheckerboard(const CheckerboardParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,13 +1,13 @@
 #include "scattering/textures/constant.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class ConstantTexture final : public Texture {
   public:
     explicit ConstantTexture(const Rgb& value) : value_(value) {}
     Rgb rgb(const SurfaceInteraction&) const override { return value_; }
-    /// Exact for grey values, which luminance() would round.
+    /// Exact for gray values, which luminance() would round.
     float scalar(const SurfaceInteraction&) const override {
         return value_.x == value_.y && value_.y == value_.z ? value_.x : luminance(value_);
     }
@@ -23,4 +23,4 @@ class ConstantTexture final : public Texture {
 
 TexturePtr makeConstantTexture(const Rgb& value) { return std::make_shared<ConstantTexture>(value); }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,9 +1,9 @@
 #pragma once
 #include "scattering/texture.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// The same value everywhere.
 TexturePtr makeConstantTexture(const Rgb& value);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 
 #include "geometry/shape.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 class MeshAttribute final : public Texture {
@@ -33,4 +33,4 @@ TexturePtr makeMeshAttribute(const MeshAttributeParameters& parameters) {
     return std::make_shared<MeshAttribute>(parameters);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// The interpolated attribute `name` ("vertex_..." or "face_...") of the shape that is hit, times `scale`.
 /// Black on a shape without it.
@@ -13,4 +13,4 @@ struct MeshAttributeParameters {
 };
 TexturePtr makeMeshAttribute(const MeshAttributeParameters& parameters);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,7 +1,7 @@
 #pragma once
 #include "base/math.h"
 
-namespace metrolux {
+namespace metrolux::core {
 
 /// Affine map of texture coordinates (the `to_uv` of a texture): the upper 2x3 of a homogeneous matrix.
 struct UvTransform {
@@ -17,4 +17,4 @@ struct UvTransform {
     }
 };
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::chiSquarePValue;
@@ -162,4 +162,4 @@ TEST(Distribution2D, TotalIsTheMean) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 TEST(HugePageAllocator, ArraysOfAnySizeBeginAtACacheLineAndHoldWhatIsWritten) {
@@ -35,4 +35,4 @@ TEST(PreferHugePages, ArraysStayWhatAndWhereTheyAre) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

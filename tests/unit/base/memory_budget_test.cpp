@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 TEST(MemoryBudget, RefusesWhatDoesNotFitAndSaysWhat) {
@@ -42,4 +42,4 @@ TEST(MemoryBudget, SizesAreReadable) {
 TEST(MemoryBudget, TheMachineHasMemory) { EXPECT_GT(physicalMemoryBytes(), uint64_t{1} << 20); }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

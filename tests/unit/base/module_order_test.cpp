@@ -1,6 +1,8 @@
 /// A module includes only modules above it (ARCHITECTURE.md, "Modules, in dependency order"): reads every
 /// #include of src/.
 
+#include "paths.h"
+
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -9,7 +11,7 @@
 #include <regex>
 #include <set>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -107,4 +109,4 @@ TEST(ModuleOrder, HeadersMayBeIncludedTwice) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

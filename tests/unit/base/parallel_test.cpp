@@ -6,7 +6,7 @@
 
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 TEST(ParallelFor, EveryIndexOnceAlsoInLoopsWithinLoops) {
@@ -35,4 +35,4 @@ TEST(ParallelFor, AnErrorOfABodyReachesTheCaller) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -6,7 +6,7 @@
 
 #include <set>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::chiSquarePValue;
@@ -75,7 +75,7 @@ TEST(Rng, PairsAreUniformWithinAStreamAndAcrossStreams) {
                   return Vec2f(x, stream.next1D());
               }),
               kLevel);
-    // First numbers of streams with neighbouring keys, and equal positions of two streams.
+    // First numbers of streams with neighboring keys, and equal positions of two streams.
     EXPECT_GT(uniformityOfPairs([](int i) {
                   return Vec2f(CounterRng(hashKey(7, i)).next1D(), CounterRng(hashKey(7, i + 1)).next1D());
               }),
@@ -101,4 +101,4 @@ TEST(Rng, LowBitsAreAsGoodAsHighOnes) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

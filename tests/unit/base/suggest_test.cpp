@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 const std::vector<std::string> kNames = {"diffuse", "roughconductor", "dielectric", "to_world",
@@ -14,7 +14,7 @@ TEST(Suggest, FindsWhatWasMeant) {
     EXPECT_EQ(nearestName("toWorld", kNames), "to_world");
     EXPECT_EQ(nearestName("Dielectrics", kNames), "dielectric");
     EXPECT_EQ(nearestName("bdtp", kNames), "bdpt");
-    EXPECT_EQ(nearestName("vmc", kNames), "vcm");  // neighbours exchanged: one slip
+    EXPECT_EQ(nearestName("vmc", kNames), "vcm");  // neighbors exchanged: one slip
 }
 
 TEST(Suggest, SaysNothingWhenNothingIsNear) {
@@ -29,4 +29,4 @@ TEST(Suggest, PrefersTheNearerName) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 void expectNear(const Vec3f& a, const Vec3f& b, float tolerance = 1e-6f) {
@@ -139,4 +139,4 @@ TEST(Transform, NumbersThatAreNotFiniteAreRefused) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

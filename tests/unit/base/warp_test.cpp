@@ -8,7 +8,7 @@
 
 #include <functional>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 constexpr int kSamples = 200000, kBins = 24;
@@ -63,7 +63,7 @@ TEST(Warp, DiskIsUniform) {
         1);
 }
 
-TEST(Warp, DiskKeepsNeighboursTogether) {
+TEST(Warp, DiskKeepsNeighborsTogether) {
     // Concentric map: shells of the square become shells of the disk.
     EXPECT_EQ(warp::squareToDisk({0.5f, 0.5f}), Vec2f(0, 0));
     for (int i = 0; i < 100; ++i) {
@@ -176,4 +176,4 @@ TEST(Frame, FollowsTheTangentWhereThereIsOne) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

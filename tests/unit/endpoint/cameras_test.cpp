@@ -6,7 +6,7 @@
 #include "chi_square.h"
 #include "endpoint/camera.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::chiSquare;
@@ -241,4 +241,4 @@ TEST(OrthographicCamera, roundTripAndScale) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -16,7 +16,7 @@
 #include <optional>
 #include <vector>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 inline constexpr double kTotalErrorRate = 1e-3;
 inline constexpr int kMaxTests = 200;
@@ -117,4 +117,4 @@ inline void expectMean(const Mean& mean, double expected, const char* what) {
     EXPECT_NEAR(mean.value(), expected, 5 * mean.error() + 1e-3 * std::abs(expected)) << what;
 }
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

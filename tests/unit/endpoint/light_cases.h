@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 /// A light with what the tests need to know of it.
 struct LightCase {
@@ -122,4 +122,4 @@ inline LightCase lightCase(int index) {
     return c;
 }
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

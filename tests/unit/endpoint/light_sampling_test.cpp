@@ -6,7 +6,7 @@
 #include "geometry/intersector.h"
 #include "light_cases.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::chiSquare;
@@ -343,7 +343,7 @@ TEST(EnvironmentMap, orientation) {
         return Vec3f(static_cast<float>(std::sin(phi) * std::sin(theta)), static_cast<float>(std::cos(theta)),
                      static_cast<float>(-std::cos(phi) * std::sin(theta)));
     };
-    test::expectClose(light->environmentRadiance(direction(2.5 / 8, 2.0 / 4)), Rgb(8, 4, 2), 1e-5, "centre");
+    test::expectClose(light->environmentRadiance(direction(2.5 / 8, 2.0 / 4)), Rgb(8, 4, 2), 1e-5, "center");
     test::expectClose(light->environmentRadiance(direction(3.0 / 8, 2.0 / 4)), Rgb(4, 2, 1), 1e-5,
                       "half a texel on");
     test::expectClose(light->environmentRadiance(direction(2.5 / 8, 1.5 / 4)), Rgb(4, 2, 1), 1e-5,
@@ -369,4 +369,4 @@ TEST(EnvironmentMap, orientation) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

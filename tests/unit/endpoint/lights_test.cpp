@@ -6,7 +6,7 @@
 #include "geometry/intersector.h"
 #include "light_cases.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::expectClose;
@@ -316,4 +316,4 @@ TEST(Lights, rejectWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

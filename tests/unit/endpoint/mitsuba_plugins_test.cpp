@@ -2,13 +2,14 @@
 
 #include "image/image_io.h"
 #include "io/mitsuba/context.h"
+#include "paths.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 using ::testing::HasSubstr;
@@ -261,4 +262,4 @@ TEST(SensorPlugins, thinlensAndOrthographic) {
 }
 
 }  // namespace
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

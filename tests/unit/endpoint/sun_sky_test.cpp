@@ -9,7 +9,7 @@
 #include "light_cases.h"
 #include "support/small_scenes.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::expectClose;
@@ -258,4 +258,4 @@ TEST(SunSky, integratorsAgree) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 
 #include <tbb/parallel_for.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 TEST(Intersector, EmptySceneHitsNothing) {
@@ -237,4 +237,4 @@ TEST(Intersector, CountsRaysOfAllThreads) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

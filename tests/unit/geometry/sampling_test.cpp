@@ -5,7 +5,7 @@
 
 #include <functional>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 /// Samples counted in cells of equal area must pass a chi-square test. Error rate 1e-6 for each shape; seeds
@@ -65,7 +65,7 @@ TEST(ShapeSampling, TrianglesAreChosenByArea) {
 
 /// pdfToward integrates to one over the shape, estimated with uniform samples; tolerance five standard
 /// errors.
-TEST(ShapeSampling, PdfTowardIsNormalised) {
+TEST(ShapeSampling, PdfTowardIsNormalized) {
     const Vec3f references[] = {{0, 0, 3}, {0, 0, 1.05f}, {20, -30, 10}, {0.1f, 0.2f, 0.3f}, {0, 0, 0}};
     for (const bool flip : {false, true})
         for (const ShapePtr& shape :
@@ -123,4 +123,4 @@ TEST(ShapeSampling, SphereIsSampledUniformlyInItsCone) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

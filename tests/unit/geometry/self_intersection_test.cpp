@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 constexpr int kRays = 20000;
@@ -164,4 +164,4 @@ TEST(SelfIntersection, OffsetGoesToTheSideOfTheDirection) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

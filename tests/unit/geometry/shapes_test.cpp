@@ -4,7 +4,7 @@
 
 #include <functional>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 SurfaceInteraction hit(const ShapePtr& shape, const Vec3f& origin, const Vec3f& direction) {
@@ -216,4 +216,4 @@ TEST(Shapes, TangentsAreTheDerivativesOfPosition) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

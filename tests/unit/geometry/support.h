@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 
 inline void expectNear(const Vec3f& a, const Vec3f& b, float tolerance, const char* what) {
     EXPECT_LE((a - b).length(), tolerance) << what << ": (" << a.x << ", " << a.y << ", " << a.z << ") and ("
@@ -26,4 +26,4 @@ inline void checkFrame(const SurfaceInteraction& si) {
     EXPECT_GT(dot(si.ng, si.ns), 0);
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

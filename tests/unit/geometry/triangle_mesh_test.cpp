@@ -1,7 +1,7 @@
 #include "base/error.h"
 #include "support.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 /// The unit right triangle in the xy plane.
@@ -120,4 +120,4 @@ TEST(TriangleMesh, RefusesWhatIsInconsistent) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 #include <array>
 #include <limits>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 constexpr size_t kNever = std::numeric_limits<size_t>::max();
@@ -224,4 +224,4 @@ TEST(TrianglePairs, NothingLeaksThroughEdges) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 ImageData constant(int width, int height, float value) {
@@ -63,10 +63,10 @@ TEST(Compare, NonFinitePixelsAreCountedAndLeftOut) {
     EXPECT_EQ(d.mse, 0);
 }
 
-TEST(Compare, AlphaIsLeftOutAndGreyIsThreeChannels) {
-    const ImageData grey{2, 1, 1, {1, 2}};
+TEST(Compare, AlphaIsLeftOutAndGrayIsThreeChannels) {
+    const ImageData gray{2, 1, 1, {1, 2}};
     const ImageData rgba{2, 1, 4, {1, 1, 1, 0.3f, 2, 2, 2, 0.7f}};
-    EXPECT_EQ(compareImages(grey, rgba).mse, 0);
+    EXPECT_EQ(compareImages(gray, rgba).mse, 0);
 }
 
 TEST(Compare, SizesMustAgree) {
@@ -81,4 +81,4 @@ TEST(Compare, HeatMapRunsFromBlackToWhite) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 __extension__ using Integer = __int128;
@@ -47,4 +47,4 @@ TEST(ExactSum, TermsAreRoundedToTheNearestUnit) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -14,7 +14,7 @@
 #include <numeric>
 #include <thread>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using Kind = ReconstructionFilter::Kind;
@@ -333,4 +333,4 @@ TEST(Film, ErrorEstimateWatchesPartOfALargeImage) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using Kind = ReconstructionFilter::Kind;
@@ -62,7 +62,7 @@ TEST(Filter, RefusesWhatItCannotTabulate) {
 }
 
 TEST(Filter, KnownShapes) {
-    // Values relative to the centre, from the definitions.
+    // Values relative to the center, from the definitions.
     const auto ratio = [](Kind kind, float x) {
         const ReconstructionFilter filter(kind, {});
         return filter.evaluate(50, 101, 50.5f + x) / filter.evaluate(50, 101, 50.5f);
@@ -144,4 +144,4 @@ TEST(Filter, ExtremeUniformNumbersStayInTheImage) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

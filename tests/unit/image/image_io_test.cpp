@@ -10,7 +10,7 @@
 
 #include <fstream>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -100,16 +100,16 @@ void writeBytes(const fs::path& file, const std::string& bytes) {
     std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-TEST_F(ImageIo, TgaKeepsGreyAndAlpha) {
+TEST_F(ImageIo, TgaKeepsGrayAndAlpha) {
     const auto header = [](char type, char width, char height, char bits, char descriptor) {
         return std::string{0, 0, type, 0, 0, 0, 0, 0, 0, 0, 0, 0, width, 0, height, 0, bits, descriptor};
     };
-    writeBytes(folder / "grey.tga", header(3, 2, 1, 8, 0x20) + std::string{'\x00', '\xff'});
-    const ImageData grey = readImage(folder / "grey.tga", false);
-    EXPECT_EQ(grey.channels, 1);
-    EXPECT_EQ(grey.pixels, (std::vector<float>{0, 1}));
+    writeBytes(folder / "gray.tga", header(3, 2, 1, 8, 0x20) + std::string{'\x00', '\xff'});
+    const ImageData gray = readImage(folder / "gray.tga", false);
+    EXPECT_EQ(gray.channels, 1);
+    EXPECT_EQ(gray.pixels, (std::vector<float>{0, 1}));
 
-    // Blue, green, red, alpha: the colour must not be multiplied by alpha, nor alpha decoded.
+    // Blue, green, red, alpha: the color must not be multiplied by alpha, nor alpha decoded.
     writeBytes(folder / "alpha.tga", header(2, 1, 1, 32, 0x28) + std::string{'\xff', '\x80', '\x00', '\x80'});
     const ImageData alpha = readImage(folder / "alpha.tga", false);
     ASSERT_EQ(alpha.channels, 4);
@@ -120,7 +120,7 @@ TEST_F(ImageIo, TgaKeepsGreyAndAlpha) {
 }
 
 TEST_F(ImageIo, BmpPaletteIsExpanded) {
-    // 2x1 pixels, 8 bits, palette of two colours (blue, green, red, 0): red and green.
+    // 2x1 pixels, 8 bits, palette of two colors (blue, green, red, 0): red and green.
     std::string bytes = "BM";
     const auto word = [&](uint32_t value, int size) {
         for (int i = 0; i < size; ++i) bytes.push_back(static_cast<char>(value >> (8 * i)));
@@ -243,4 +243,4 @@ TEST_F(ImageIo, ThePreviousFileIsKeptWhereItIsKeptAlready) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

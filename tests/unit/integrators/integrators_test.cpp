@@ -10,7 +10,7 @@
 #include <array>
 #include <numeric>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::SceneBuilder;
@@ -206,4 +206,4 @@ TEST(ProjectedPixelRadius, IsThePixelsWidthOnWhatTheCameraSees) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::SceneBuilder;
@@ -102,4 +102,4 @@ TEST(PlainLightPass, IsTheSumOfItsSubpaths) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 
 #include <gmock/gmock.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::errorOf;
@@ -167,4 +167,4 @@ TEST(Loader, OldSceneEqualsItsTwin) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

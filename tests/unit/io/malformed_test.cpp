@@ -17,7 +17,7 @@
 extern "C" const char* __lsan_default_suppressions() { return "leak:ImageInput::geterror"; }
 #endif
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::errorOf;
@@ -189,7 +189,7 @@ const std::vector<Malformed> kXml = {
     {"bad_rgb",
      world("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"1 2\"/></bsdf>"),
      {"scene.xml:4", "<rgb name=\"reflectance\">", "one or three"}},
-    {"bad_hex_colour",
+    {"bad_hex_color",
      world("<bsdf type=\"diffuse\"><rgb name=\"reflectance\" value=\"#12345g\"/></bsdf>"),
      {"scene.xml:4", "#rrggbb"}},
     {"bad_spectrum",
@@ -554,4 +554,4 @@ TEST(MalformedFile, AnyPrefixIsHandled) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

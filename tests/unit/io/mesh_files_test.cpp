@@ -13,7 +13,7 @@
 #include <functional>
 #include <zlib.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -385,4 +385,4 @@ TEST(MeshFiles, MissingFilesAreNamed) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 namespace {
 
 using testing::AllOf;
@@ -151,4 +151,4 @@ TEST(ShapePlugins, LenientLeavesUnknownShapesOut) {
 }
 
 }  // namespace
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

@@ -1,13 +1,14 @@
 // Every mesh of the shared scenes can be read and is sound.
 #include "base/error.h"
 #include "io/mesh_io.h"
+#include "paths.h"
 
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <filesystem>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -70,4 +71,4 @@ TEST(SharedMeshes, SphereAttributesHaveMitsubasNames) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

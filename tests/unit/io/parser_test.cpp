@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using mitsuba::ParsedScene;
@@ -201,4 +201,4 @@ TEST(Parser, Latin1IsConverted) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -4,7 +4,7 @@
 
 #include <gmock/gmock.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using mitsuba::ElementPtr;
@@ -105,4 +105,4 @@ TEST(Properties, NearestName) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,12 +1,13 @@
 /// The scenes of the shared folder parse, with their includes, defaults and references.
 
 #include "io/scene_loader.h"
+#include "paths.h"
 #include "scene/scene.h"
 #include "support.h"
 
 #include <algorithm>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -86,4 +87,4 @@ TEST(SharedScenes, LeftoversOfOldScenesAreWarnings) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

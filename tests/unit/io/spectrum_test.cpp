@@ -3,13 +3,15 @@
 
 #include "io/mitsuba/spectrum.h"
 
+#include "paths.h"
+
 #include <gtest/gtest.h>
 #include <pugixml.hpp>
 
 #include <filesystem>
 #include <sstream>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 SpectrumValue parse(const std::string& text) {
@@ -68,7 +70,7 @@ TEST(Spectrum, emissionHasTheChromaticityThatMitsubaRendered) {
     EXPECT_NEAR(luminance(emission), 12.37, 0.02);
 }
 
-TEST(Spectrum, uniformValueIsGrey) {
+TEST(Spectrum, uniformValueIsGray) {
     SpectrumValue s;
     s.values = {0.4f};
     EXPECT_EQ(reflectanceFromSpectrum(s), Rgb(0.4f));
@@ -109,4 +111,4 @@ TEST(Spectrum, blackbody) {
 }
 
 }  // namespace
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -11,7 +11,7 @@
 
 #include <numbers>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using namespace mitsuba;
@@ -280,4 +280,4 @@ TEST(SunSkyLoader, nightLeavesTheEmitterOut) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -8,7 +8,7 @@
 
 #include <string>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 inline std::string scene(const std::string& body, const std::string& version = "3.0.0") {
     return "<scene version=\"" + version + "\">\n" + body + "\n</scene>\n";
@@ -35,4 +35,4 @@ std::string errorOf(const Action& action) {
     return "";
 }
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

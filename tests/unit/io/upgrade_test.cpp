@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using mitsuba::Element;
@@ -141,4 +141,4 @@ TEST(Upgrade, LeftoversAreUnknownInNewScenes) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

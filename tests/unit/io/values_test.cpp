@@ -1,4 +1,4 @@
-/// Texts to values: strictness, colours and spectra.
+/// Texts to values: strictness, colors and spectra.
 
 #include "io/mitsuba/values.h"
 
@@ -9,7 +9,7 @@
 #include <clocale>
 #include <locale>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 using test::errorOf;
@@ -53,7 +53,7 @@ TEST(Values, IntegersAndBooleans) {
     for (const char* bad : {"", "1", "yes", "truee"}) EXPECT_THROW(parseBoolean(bad), Error) << bad;
 }
 
-TEST(Values, Colours) {
+TEST(Values, Colors) {
     EXPECT_EQ(parseRgb("0.5"), Rgb(0.5f));
     EXPECT_EQ(parseRgb("1, 2,3"), Rgb(1, 2, 3));
     EXPECT_EQ(parseRgb("1 2\t3"), Rgb(1, 2, 3));
@@ -97,4 +97,4 @@ TEST(Values, Blackbody) {
 }
 
 }  // namespace
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -9,7 +9,7 @@
 
 #include <functional>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::chiSquarePValue;
@@ -336,4 +336,4 @@ TEST(ReplicaExchange, AStateOutsideTheOthersTargetStays) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -11,7 +11,7 @@
 #include <array>
 #include <cstring>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::chiSquarePValue;
@@ -32,7 +32,7 @@ void evaluate(SampleStream& stream, Value& v) {
     v.size = v.pixels[0] + v.pixels[1];
 }
 constexpr std::array<double, 2> kIntegral{0.75, 0.3};
-constexpr double kNormalisation = 1.05;
+constexpr double kNormalization = 1.05;
 
 /// Options with few samples, so that every error of the start shows.
 MetropolisOptions options(uint64_t key, double largeStep, Kind kind = Kind::Kelemen) {
@@ -101,14 +101,14 @@ INSTANTIATE_TEST_SUITE_P(LargeStepsAndTargets, Unbiased,
                          testing::Combine(testing::Values(0.0, 0.3, 1.0), testing::Bool()));
 
 TEST(MetropolisSampler, WithoutStartUpWeightsTheBiasWouldBeSeen) {
-    // The power of the test above: chains from the same starts with the exact normalisation in place of the
+    // The power of the test above: chains from the same starts with the exact normalization in place of the
     // pool's mean.
     Moments naive, weighted;
     for (int r = 0; r < 40000; ++r) {
         Sampler sampler(options(hashKey(12, r), 0));
         const double sum = integral(sampler, 6, false)[1];
         if (sampler.pool().empty()) continue;
-        naive.add(sum * kNormalisation / sampler.pool().mean());
+        naive.add(sum * kNormalization / sampler.pool().mean());
         weighted.add(sum);
     }
     EXPECT_LT(naive.pValue(kIntegral[1]), kLevel);
@@ -163,7 +163,7 @@ TEST(MetropolisSampler, AdaptingWhileItCountsWouldBeSeen) {
 }
 
 TEST(MetropolisSampler, PaysOutEveryMutationOnceTheLastStateIncluded) {
-    // Weights are normalisation / (n F): times F, each of the n mutations pays one n-th of the normalisation,
+    // Weights are normalization / (n F): times F, each of the n mutations pays one n-th of the normalization,
     // shared by the proposal and the state.
     for (const Kind kind : {Kind::Kelemen, Kind::Adaptive}) {
         Sampler sampler(options(5, 0, kind));
@@ -197,7 +197,7 @@ TEST(MetropolisSampler, CopiedContinuesBitForBit) {
         }
 }
 
-TEST(MetropolisSampler, NormalisationComesFromAllUniformSamplesAndConverges) {
+TEST(MetropolisSampler, NormalizationComesFromAllUniformSamplesAndConverges) {
     Moments deviations;
     for (int r = 0; r < 400; ++r) {
         Sampler sampler(options(hashKey(7, r), 0.5));
@@ -206,7 +206,7 @@ TEST(MetropolisSampler, NormalisationComesFromAllUniformSamplesAndConverges) {
         const StartPool& pool = sampler.pool();
         EXPECT_EQ(pool.drawn(), drawnBefore + sampler.counts().largeTried);
         EXPECT_GE(sampler.counts().starts, 2u) << "chains start anew when the pool has doubled";
-        deviations.add((pool.mean() - kNormalisation) / pool.standardError());
+        deviations.add((pool.mean() - kNormalization) / pool.standardError());
     }
     const double mean = deviations.sum / deviations.n;
     EXPECT_LT(std::abs(mean), 0.25);  // five standard errors
@@ -241,4 +241,4 @@ TEST(StartPool, SlotsAreDrawnInProportionOverAllBatches) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

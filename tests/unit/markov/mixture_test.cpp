@@ -14,7 +14,7 @@
 
 #include <array>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using Kind = MutationKernel::Kind;
@@ -163,7 +163,7 @@ double pValue(Kind kind, const Reference& truth, const Reference& b, double inef
     return smallest;
 }
 
-TEST(ReplicaMixture, IsUnbiasedWithTheExactNormalisations) {
+TEST(ReplicaMixture, IsUnbiasedWithTheExactNormalizations) {
     const Reference truth = reference();
     for (const uint64_t seed : {1, 2, 3})
         for (const double inefficiency : {1.0, 4.0}) {
@@ -174,7 +174,7 @@ TEST(ReplicaMixture, IsUnbiasedWithTheExactNormalisations) {
         }
 }
 
-TEST(ReplicaMixture, AWrongNormalisationWouldBeSeen) {
+TEST(ReplicaMixture, AWrongNormalizationWouldBeSeen) {
     const Reference truth = reference();
     Reference wrong = truth;
     wrong.bContribution *= 0.9;
@@ -185,4 +185,4 @@ TEST(ReplicaMixture, AWrongNormalisationWouldBeSeen) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

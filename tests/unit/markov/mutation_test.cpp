@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::chiSquarePValue;
@@ -175,4 +175,4 @@ TEST(Mutation, SharedThetaIsTheMean) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

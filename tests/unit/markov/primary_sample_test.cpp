@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 TEST(PrimarySampleStream, GrowthKeepsTheCoordinatesThatAreThere) {
@@ -58,4 +58,4 @@ TEST(PrimarySampleStream, NewCoordinatesAreUniform) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,4 +1,4 @@
-/// Lanes of replicas on a toy integrand: their weighted sum is the integral, with the normalisations that
+/// Lanes of replicas on a toy integrand: their weighted sum is the integral, with the normalizations that
 /// they estimate themselves.
 
 #include "markov/replica_lanes.h"
@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 /// F = 1 + 30 y for x < visibleShare, else invisible.
@@ -44,7 +44,7 @@ struct Case {
     bool uniform, visibility, contribution;
     double visibleShare, invisible;
     std::array<double, 3> split{1, 1, 1};
-    NormalisationMethod normalisation = NormalisationMethod::Pooled;
+    NormalizationMethod normalization = NormalizationMethod::Pooled;
     bool pooledTheta = false;
     bool measuredSplit = false;
 };
@@ -62,13 +62,13 @@ double estimate(const Case& c, uint64_t seed) {
     s.visibility = c.visibility;
     s.contribution = c.contribution;
     s.split = c.split;
-    s.normalisation = c.normalisation;
+    s.normalization = c.normalization;
     s.pooledTheta = c.pooledTheta;
     s.measuredSplit = c.measuredSplit;
     ReplicaLanes<ToyValue> lanes(s);
     ToyModel model{c.visibleShare, std::vector<double>(8, 0.0), c.invisible};
     for (int i = 0; i < kIterations; ++i) {
-        lanes.normalisation().update(1);
+        lanes.normalization().update(1);
         ReplicaMixture mix = lanes.mixture(kSamples, i > 0);
         if (mix.uniform > 0 && c.invisible > 0) mix.invisibleWeight = 1 / mix.uniform;
         lanes.run(model, mix, uint32_t(i), 0);
@@ -94,10 +94,10 @@ TEST(ReplicaLanes, WeightedSumsAreTheIntegral) {
         {true, true, true, 0.3, 0, {4, 1, 1}},
         {true, true, true, 0.3, 0, {1, 2, 5}},
         {true, true, false, 0.3, 2, {1, 3, 1}},
-        {true, true, true, 0.3, 0, {1, 1, 1}, NormalisationMethod::Bennett},
-        {true, true, true, 0.3, 0, {1, 1, 1}, NormalisationMethod::Pooled, true},
-        {true, true, true, 0.3, 0, {1, 1, 1}, NormalisationMethod::Pooled, false, true},
-        {true, true, false, 0.3, 2, {1, 1, 1}, NormalisationMethod::Pooled, false, true},
+        {true, true, true, 0.3, 0, {1, 1, 1}, NormalizationMethod::Bennett},
+        {true, true, true, 0.3, 0, {1, 1, 1}, NormalizationMethod::Pooled, true},
+        {true, true, true, 0.3, 0, {1, 1, 1}, NormalizationMethod::Pooled, false, true},
+        {true, true, false, 0.3, 2, {1, 1, 1}, NormalizationMethod::Pooled, false, true},
     };
     for (size_t k = 0; k < cases.size(); ++k) {
         const Case& c = cases[k];
@@ -132,7 +132,7 @@ TEST(ReplicaLanes, DoNotDependOnWhichAreRunTogether) {
         tbb::task_arena arena(threads);
         arena.execute([&] {
             for (uint32_t i = 0; i < 6; ++i) {
-                lanes.normalisation().update(1);
+                lanes.normalization().update(1);
                 ReplicaMixture mix = lanes.mixture(samples, i > 0);
                 lanes.run(model, mix, i, 0);
                 lanes.endIteration(1);
@@ -183,7 +183,7 @@ TEST(ReplicaLanes, TakesAsManySamplesAsTheMixtureSays) {
     s.split = {2, 5, 3};
     ReplicaLanes<ToyValue> lanes(s);
     CountingModel model(3);
-    lanes.normalisation().update(1);
+    lanes.normalization().update(1);
     ReplicaMixture mix = lanes.mixture(3000);
     lanes.run(model, mix, 0, 0);
     for (const std::vector<size_t>& samples : model.uniform) {
@@ -198,4 +198,4 @@ TEST(ReplicaLanes, TakesAsManySamplesAsTheMixtureSays) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

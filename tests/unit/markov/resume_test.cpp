@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using Kind = MutationKernel::Kind;
@@ -113,7 +113,7 @@ struct TraceModel {
     using Evaluations = std::span<const Evaluation<Value>>;
     void evaluateUniform(Evaluations evaluations) const { evaluate(evaluations); }
     void evaluate(Evaluations evaluations) const {
-        for (const auto& [stream, value] : evaluations) metrolux::evaluate(*stream, *value);
+        for (const auto& [stream, value] : evaluations) metrolux::core::evaluate(*stream, *value);
     }
     void pay(size_t lane, const Value& v, double weight) { append(lanes[lane], v, weight); }
 };
@@ -131,7 +131,7 @@ TEST_P(Resume, ReplicaLanes) {
                       [&](ReplicaLanes<Value>& lanes, int part, Trace& trace) {
                           for (int i = 0; i < 30; ++i) {
                               const double squaredRadius = 1.0 / (1 + 30 * part + i);
-                              lanes.normalisation().update(squaredRadius);
+                              lanes.normalization().update(squaredRadius);
                               ReplicaMixture mix = lanes.mixture(samples, part > 0 || i > 0);
                               TraceModel model{std::vector<Trace>(lanes.size())};
                               lanes.run(model, mix, static_cast<uint32_t>(30 * part + i), 0);
@@ -186,4 +186,4 @@ TEST(Resume, StatesOfAnotherShapeAreRefused) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

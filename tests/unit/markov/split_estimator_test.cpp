@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 /// Contributions f on cells of equal probability under the uniform replica; some are invisible.
@@ -134,4 +134,4 @@ TEST(SplitEstimator, WaitsForSamplesOfEveryReplica) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

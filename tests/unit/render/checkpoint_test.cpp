@@ -12,7 +12,7 @@
 #include <functional>
 #include <limits>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using testing::HasSubstr;
@@ -151,7 +151,7 @@ TEST(Merge, NamesThePartWhoseFilmIsDamaged) {
     }
 }
 
-/// Sums that no rendering reaches must not be undefined behaviour (the sanitizer sees it).
+/// Sums that no rendering reaches must not be undefined behavior (the sanitizer sees it).
 TEST(Merge, SumsOfAnyBitsAreDefined) {
     Checkpoint part = good();
     // Counts of techniques and sizes come first; all sums are made the largest there is.
@@ -170,4 +170,4 @@ TEST(Merge, SumsOfAnyBitsAreDefined) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 /// Gives every pixel of pass i the value `values(i)`.
 class FakeIntegrator final : public Resumable<FakeIntegrator> {
@@ -27,4 +27,4 @@ class FakeIntegrator final : public Resumable<FakeIntegrator> {
     std::function<float(uint32_t)> values_;
 };
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 /// A film of 4x4 pixels and a clock that advances with each pass.
@@ -71,4 +71,4 @@ TEST_F(PassLoop, InterruptEndsThePassInProgress) {
 TEST_F(PassLoop, NeedsALimit) { EXPECT_THROW(renderPasses(integrator, film, {}, hooks), Error); }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 
 #include <memory>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using testing::HasSubstr;
@@ -54,4 +54,4 @@ TEST(Progress, AFileIsNotATerminal) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -9,7 +9,7 @@
 
 #include <unistd.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 namespace fs = std::filesystem;
@@ -33,7 +33,7 @@ class Session : public testing::Test {
     static SceneParts parts() {
         SceneParts result;
         ShapePtr square = makeRectangle(Transform::rotate(Vec3f(0, 1, 0), 180), false);
-        square->bsdf = std::make_shared<ColouredBsdf>();
+        square->bsdf = std::make_shared<ColoredBsdf>();
         result.shapes.push_back(square);
         PerspectiveParameters camera;
         camera.toWorld = Transform::lookAt(Vec3f(0, 0, -4), Vec3f(0, 0, 0), Vec3f(0, 1, 0));
@@ -51,8 +51,8 @@ class Session : public testing::Test {
         return session.run(silent, interrupted);
     }
 
-    /// Absorbs everything but has a colour.
-    struct ColouredBsdf final : Bsdf {
+    /// Absorbs everything but has a color.
+    struct ColoredBsdf final : Bsdf {
         std::optional<BsdfSample> sample(const SurfaceInteraction&, const Vec3f&, TransportMode, float,
                                          const Vec2f&) const override {
             return std::nullopt;
@@ -117,17 +117,17 @@ TEST_F(Session, AovsAreLayers) {
         EXPECT_LT(c, l.channels.size());
         return l.pixels[pixel * l.channels.size() + c];
     };
-    const size_t centre = 5 * 20 + 10, corner = 0;
-    EXPECT_FLOAT_EQ(value("albedo", "R", centre), 0.2f);
-    EXPECT_FLOAT_EQ(value("albedo", "B", centre), 0.6f);
+    const size_t center = 5 * 20 + 10, corner = 0;
+    EXPECT_FLOAT_EQ(value("albedo", "R", center), 0.2f);
+    EXPECT_FLOAT_EQ(value("albedo", "B", center), 0.6f);
     EXPECT_EQ(value("albedo", "R", corner), 0);
-    EXPECT_NEAR(value("normal", "Z", centre), -1, 1e-5);
-    EXPECT_NEAR(value("normal", "X", centre), 0, 1e-5);
-    EXPECT_NEAR(value("depth", "Z", centre), 4, 0.05);
+    EXPECT_NEAR(value("normal", "Z", center), -1, 1e-5);
+    EXPECT_NEAR(value("normal", "X", center), 0, 1e-5);
+    EXPECT_NEAR(value("depth", "Z", center), 4, 0.05);
     EXPECT_EQ(value("depth", "Z", corner), 0);
     // Passes 0, 1, 2: variance of the mean 1/3 in units of the luminance of (1, 0, 2), squared.
-    EXPECT_NEAR(value("variance", "Y", centre), sqr(0.212671 + 2 * 0.072169) / 3, 1e-5);
-    EXPECT_THROW(aovFromName("colour"), Error);
+    EXPECT_NEAR(value("variance", "Y", center), sqr(0.212671 + 2 * 0.072169) / 3, 1e-5);
+    EXPECT_THROW(aovFromName("color"), Error);
 }
 
 TEST_F(Session, RefusesOutputsBeforeRendering) {
@@ -188,4 +188,4 @@ TEST(IntegratorForScene, MapsMitsubaTypes) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -7,7 +7,7 @@
 
 #include <set>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::chiSquarePValue;
@@ -195,7 +195,7 @@ double correlation(const std::vector<float>& a, const std::vector<float>& b) {
 }
 
 TEST(Streams, DifferentKeysAndCoordinatesAreUncorrelated) {
-    // Pearson correlations of first and centred second powers; 500 comparisons at 1e-6 each: 5e-4 in all.
+    // Pearson correlations of first and centerd second powers; 500 comparisons at 1e-6 each: 5e-4 in all.
     constexpr int kKeys = 20000;
     const auto value = [](bool sobol, uint64_t key, int coordinate) {
         SobolStream s(key, 3);
@@ -208,14 +208,14 @@ TEST(Streams, DifferentKeysAndCoordinatesAreUncorrelated) {
     };
     for (const bool sobol : {false, true})
         for (int coordinate = 0; coordinate < 8; ++coordinate) {
-            std::vector<float> here(kKeys), neighbour(kKeys), far(kKeys), next(kKeys);
+            std::vector<float> here(kKeys), neighbor(kKeys), far(kKeys), next(kKeys);
             for (int k = 0; k < kKeys; ++k) {
                 here[k] = value(sobol, hashKey(1, k), coordinate);
-                neighbour[k] = value(sobol, hashKey(1, k + 1), coordinate);
+                neighbor[k] = value(sobol, hashKey(1, k + 1), coordinate);
                 far[k] = value(sobol, hashKey(1, k + 4096), coordinate);
                 next[k] = value(sobol, hashKey(1, k), coordinate + 1);
             }
-            EXPECT_GT(normalPValue(correlation(here, neighbour)), kLevel) << coordinate;
+            EXPECT_GT(normalPValue(correlation(here, neighbor)), kLevel) << coordinate;
             EXPECT_GT(normalPValue(correlation(here, far)), kLevel) << coordinate;
             EXPECT_GT(normalPValue(correlation(here, next)), kLevel) << coordinate;
         }
@@ -255,4 +255,4 @@ TEST(SobolStream, IntegratesSmoothFunctionsBetterThanIndependentNumbers) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

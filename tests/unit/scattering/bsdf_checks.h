@@ -22,7 +22,7 @@
 #include <string>
 #include <vector>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 
 inline constexpr double kTotalErrorRate = 1e-3;
 inline constexpr int kMaxTests = 4000;
@@ -324,4 +324,4 @@ inline void checkBsdf(const BsdfCase& c, uint64_t seed = 1) {
     }
 }
 
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest-spi.h>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 namespace {
 
 /// White diffuse reflection and a mirror, half and half, with a choice of faults.
@@ -99,4 +99,4 @@ TEST(BsdfChecks, FindFaults) {
 }
 
 }  // namespace
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

@@ -11,7 +11,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 namespace {
 
 TexturePtr constant(float value) { return makeConstantTexture(Rgb(value)); }
@@ -191,4 +191,4 @@ TEST(LayeredBsdfs, StayFiniteAtGrazingAngles) {
 }
 
 }  // namespace
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

@@ -3,6 +3,7 @@
 #include "bsdf_checks.h"
 #include "image/image_io.h"
 #include "io/mitsuba/context.h"
+#include "paths.h"
 #include "scattering/fresnel.h"
 #include "scattering/ior_table.h"
 
@@ -11,7 +12,7 @@
 
 #include <filesystem>
 
-namespace metrolux::mitsuba {
+namespace metrolux::core::mitsuba {
 namespace {
 
 using test::flatInteraction;
@@ -115,11 +116,11 @@ TEST(BsdfPlugins, Metals) {
 }
 
 TEST(BsdfPlugins, NestingAndOrder) {
-    const auto grey = [](double v) { return bsdf("diffuse").with("reflectance", v); };
+    const auto gray = [](double v) { return bsdf("diffuse").with("reflectance", v); };
     const BsdfPtr blend =
-        build(bsdf("blendbsdf").with("weight", 0.25).containing(grey(0)).containing(grey(1)));
+        build(bsdf("blendbsdf").with("weight", 0.25).containing(gray(0)).containing(gray(1)));
     EXPECT_NEAR(blend->albedo(flatInteraction()).x, 0.25f, 1e-6);
-    const BsdfPtr mask = build(bsdf("mask").with("opacity", 0.75).with("bsdf", grey(0)));
+    const BsdfPtr mask = build(bsdf("mask").with("opacity", 0.75).with("bsdf", gray(0)));
     EXPECT_NEAR(mask->albedo(flatInteraction()).x, 0.25f, 1e-6);
     EXPECT_NEAR(deltaEnergy(*mask, true), 0.25f, 1e-6);
     EXPECT_THAT(errorOf(bsdf("mask")), HasSubstr("found 0 nested"));
@@ -187,4 +188,4 @@ TEST(TexturePlugins, BitmapFile) {
 }
 
 }  // namespace
-}  // namespace metrolux::mitsuba
+}  // namespace metrolux::core::mitsuba

@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 namespace {
 
 TexturePtr constant(float value) { return makeConstantTexture(Rgb(value)); }
@@ -215,4 +215,4 @@ TEST(PrincipledModels, StayFiniteAtGrazingAngles) {
 }
 
 }  // namespace
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

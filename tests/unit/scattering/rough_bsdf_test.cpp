@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux::test {
+namespace metrolux::core::test {
 namespace {
 
 TexturePtr constant(float value) { return makeConstantTexture(Rgb(value)); }
@@ -234,4 +234,4 @@ TEST(Fresnel, AgreesWithKnownValues) {
 }
 
 }  // namespace
-}  // namespace metrolux::test
+}  // namespace metrolux::core::test

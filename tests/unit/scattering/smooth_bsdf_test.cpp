@@ -15,29 +15,29 @@
 #include "scattering/thin_dielectric.h"
 #include "scattering/two_sided.h"
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::BsdfCase;
 using test::checkBsdf;
 using test::flatInteraction;
 
-TexturePtr grey(float value) { return makeConstantTexture(Rgb(value)); }
-TexturePtr colour(float r, float g, float b) { return makeConstantTexture(Rgb(r, g, b)); }
+TexturePtr gray(float value) { return makeConstantTexture(Rgb(value)); }
+TexturePtr color(float r, float g, float b) { return makeConstantTexture(Rgb(r, g, b)); }
 TexturePtr normalTexture(const Vec3f& n) {
     const Vec3f unit = normalize(n);
-    return colour(0.5f * unit.x + 0.5f, 0.5f * unit.y + 0.5f, 0.5f * unit.z + 0.5f);
+    return color(0.5f * unit.x + 0.5f, 0.5f * unit.y + 0.5f, 0.5f * unit.z + 0.5f);
 }
 BsdfPtr metal(float alpha) {
     RoughConductorParameters p;
-    p.eta = colour(1.66f, 0.88f, 0.52f);
-    p.k = colour(9.2f, 6.3f, 4.8f);
-    p.alphaU = grey(alpha);
-    p.alphaV = grey(0.5f * alpha);
+    p.eta = color(1.66f, 0.88f, 0.52f);
+    p.k = color(9.2f, 6.3f, 4.8f);
+    p.alphaU = gray(alpha);
+    p.alphaV = gray(0.5f * alpha);
     return makeRoughConductor(p);
 }
 BsdfPtr glass() { return makeDielectric({1.5f, nullptr, nullptr}); }
-BsdfPtr paint() { return makeDiffuse({colour(0.2f, 0.9f, 0.5f)}); }
+BsdfPtr paint() { return makeDiffuse({color(0.2f, 0.9f, 0.5f)}); }
 /// The known lobe with the given sign of transmission, or nothing within 1000 tries.
 std::optional<BsdfSample> findLobe(const Bsdf& bsdf, const Vec3f& known, TransportMode mode,
                                    bool transmitted) {
@@ -52,7 +52,7 @@ std::optional<BsdfSample> findLobe(const Bsdf& bsdf, const Vec3f& known, Transpo
 
 TEST(SmoothBsdf, Diffuse) {
     checkBsdf({"diffuse", paint()});
-    checkBsdf({"black", makeDiffuse({grey(0)})});
+    checkBsdf({"black", makeDiffuse({gray(0)})});
     const BsdfEvaluation e =
         makeDiffuse({nullptr})->evaluate(flatInteraction(), Vec3f(0, 0, 1), normalize(Vec3f(1, 0, 1)));
     EXPECT_FLOAT_EQ(e.value.x, 0.5f * kInvPi * std::sqrt(0.5f));
@@ -61,8 +61,8 @@ TEST(SmoothBsdf, Diffuse) {
 TEST(SmoothBsdf, Dielectric) {
     checkBsdf({"glass", glass()});
     checkBsdf({"bubble", makeDielectric({1 / 1.5f, nullptr, nullptr})});
-    checkBsdf({"diamond, tinted", makeDielectric({2.419f, colour(1, 0.5f, 0.2f), colour(0.1f, 0.8f, 0.4f)})});
-    checkBsdf({"no reflection", makeDielectric({1.5f, grey(0), nullptr})});
+    checkBsdf({"diamond, tinted", makeDielectric({2.419f, color(1, 0.5f, 0.2f), color(0.1f, 0.8f, 0.4f)})});
+    checkBsdf({"no reflection", makeDielectric({1.5f, gray(0), nullptr})});
     checkBsdf({"index-matched", makeDielectric({1, nullptr, nullptr})});
     EXPECT_THROW(makeDielectric({0, nullptr, nullptr}), Error);
 }
@@ -89,7 +89,7 @@ TEST(SmoothBsdf, DielectricByHand) {
 
 TEST(SmoothBsdf, ThinDielectric) {
     checkBsdf({"window", makeThinDielectric({1.5f, nullptr, nullptr})});
-    checkBsdf({"tinted window", makeThinDielectric({1.8f, grey(0.7f), colour(0.1f, 0.8f, 0.4f)})});
+    checkBsdf({"tinted window", makeThinDielectric({1.8f, gray(0.7f), color(0.1f, 0.8f, 0.4f)})});
     const auto s = findLobe(*makeThinDielectric({1.5f, nullptr, nullptr}), Vec3f(0, 0, 1),
                             TransportMode::Radiance, true);
     ASSERT_TRUE(s);
@@ -99,8 +99,7 @@ TEST(SmoothBsdf, ThinDielectric) {
 
 TEST(SmoothBsdf, Conductor) {
     checkBsdf({"mirror", makeConductor({})});
-    checkBsdf(
-        {"gold", makeConductor({colour(0.143f, 0.375f, 1.44f), colour(3.98f, 2.39f, 1.6f), grey(0.8f)})});
+    checkBsdf({"gold", makeConductor({color(0.143f, 0.375f, 1.44f), color(3.98f, 2.39f, 1.6f), gray(0.8f)})});
     const auto s = findLobe(*makeConductor({}), Vec3f(0, 0.6f, 0.8f), TransportMode::Importance, false);
     ASSERT_TRUE(s);
     EXPECT_EQ(s->direction, Vec3f(0, -0.6f, 0.8f));
@@ -110,25 +109,25 @@ TEST(SmoothBsdf, Conductor) {
 TEST(SmoothBsdf, Null) { checkBsdf({"null", makeNullBsdf()}); }
 
 TEST(WrapperBsdf, TwoSided) {
-    checkBsdf({"two colours", makeTwoSided({paint(), makeDiffuse({grey(0.8f)})})});
+    checkBsdf({"two colors", makeTwoSided({paint(), makeDiffuse({gray(0.8f)})})});
     checkBsdf({"metal on both sides", makeTwoSided({metal(0.3f), nullptr})});
     checkBsdf({"mirror behind", makeTwoSided({paint(), makeConductor({})})});
     EXPECT_THROW(makeTwoSided({glass(), nullptr}), Error);
 }
 
 TEST(WrapperBsdf, Mask) {
-    checkBsdf({"veil", makeMask({grey(0.3f), paint()})});
-    checkBsdf({"mirror with holes", makeMask({grey(0.6f), makeTwoSided({makeConductor({}), nullptr})})});
-    checkBsdf({"not there", makeMask({grey(0), paint()})});
-    checkBsdf({"opaque", makeMask({grey(1.5f), paint()})});
+    checkBsdf({"veil", makeMask({gray(0.3f), paint()})});
+    checkBsdf({"mirror with holes", makeMask({gray(0.6f), makeTwoSided({makeConductor({}), nullptr})})});
+    checkBsdf({"not there", makeMask({gray(0), paint()})});
+    checkBsdf({"opaque", makeMask({gray(1.5f), paint()})});
 }
 
 TEST(WrapperBsdf, Blend) {
-    checkBsdf({"paint and metal", makeBlend({grey(0.3f), paint(), metal(0.3f)})});
-    checkBsdf({"paint and glass", makeBlend({grey(0.7f), paint(), glass()})});
-    checkBsdf({"first only", makeBlend({grey(0), paint(), glass()})});
-    checkBsdf({"second only", makeBlend({grey(1), glass(), paint()})});
-    const BsdfPtr all = makeBlend({grey(0.25f), makeDiffuse({grey(0)}), makeDiffuse({grey(1)})});
+    checkBsdf({"paint and metal", makeBlend({gray(0.3f), paint(), metal(0.3f)})});
+    checkBsdf({"paint and glass", makeBlend({gray(0.7f), paint(), glass()})});
+    checkBsdf({"first only", makeBlend({gray(0), paint(), glass()})});
+    checkBsdf({"second only", makeBlend({gray(1), glass(), paint()})});
+    const BsdfPtr all = makeBlend({gray(0.25f), makeDiffuse({gray(0)}), makeDiffuse({gray(1)})});
     EXPECT_NEAR(all->evaluate(flatInteraction(), Vec3f(0, 0, 1), Vec3f(0, 0, 1)).value.x, 0.25f * kInvPi,
                 1e-6)
         << "the weight is that of the second model";
@@ -190,7 +189,7 @@ TEST(PerturbedBsdf, BumpMapTiltsAgainstTheSlope) {
     ramp.pixels = pixels;
     BumpMapParameters p;
     p.height = makeBitmapTexture(ramp);
-    p.nested = makeDiffuse({grey(1)});
+    p.nested = makeDiffuse({gray(1)});
     p.options = {false, false};
     const BsdfPtr bump = makeBumpMap(p);
     const SurfaceInteraction si = flatInteraction({0.5f, 0.5f});
@@ -211,4 +210,4 @@ TEST(IorTable, Names) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

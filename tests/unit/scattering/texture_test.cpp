@@ -10,7 +10,7 @@
 
 #include <numeric>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::flatInteraction;
@@ -29,9 +29,9 @@ Bitmap numbered(int width, int height) {
 }
 float at(const TexturePtr& texture, float u, float v) { return texture->scalar(flatInteraction({u, v})); }
 
-TEST(BitmapTexture, BilinearBetweenTexelCentres) {
+TEST(BitmapTexture, BilinearBetweenTexelCenters) {
     const TexturePtr t = makeBitmapTexture(numbered(4, 2));
-    EXPECT_FLOAT_EQ(at(t, 0.125f, 0.25f), 0) << "centre of the first pixel of the first row";
+    EXPECT_FLOAT_EQ(at(t, 0.125f, 0.25f), 0) << "center of the first pixel of the first row";
     EXPECT_FLOAT_EQ(at(t, 0.875f, 0.75f), 7) << "v grows from row to row";
     EXPECT_FLOAT_EQ(at(t, 0.25f, 0.5f), 0.25f * (0 + 1 + 4 + 5));
     EXPECT_FLOAT_EQ(t->mean().x, 3.5f);
@@ -88,7 +88,7 @@ TEST(BitmapTexture, GradientIsTheDerivativeOfThePatch) {
     EXPECT_NEAR(g.y, (at(t, uv.x, uv.y + kStep) - at(t, uv.x, uv.y - kStep)) / (2 * kStep), 2e-2);
 }
 
-TEST(BitmapTexture, ColourAndErrors) {
+TEST(BitmapTexture, ColorAndErrors) {
     Bitmap p;
     p.width = p.height = 1;
     p.pixels = std::make_shared<std::vector<float>>(std::vector<float>{1, 0.5f, 0.25f});
@@ -134,4 +134,4 @@ TEST(MeshAttribute, ReadsTheShape) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

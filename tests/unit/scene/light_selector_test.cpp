@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::ManyLights;
@@ -19,8 +19,8 @@ using test::randomPoint;
 
 constexpr float kExtent = 10;
 
-LightSelector selector(const ManyLights& many, const Vec3f& centre = Vec3f(0.0f)) {
-    const SceneBounds scene{centre, 2 * kExtent};
+LightSelector selector(const ManyLights& many, const Vec3f& center = Vec3f(0.0f)) {
+    const SceneBounds scene{center, 2 * kExtent};
     for (const LightPtr& light : many.lights) light->setSceneBounds(scene);
     return LightSelector(many.lights, scene);
 }
@@ -31,11 +31,11 @@ void addInfinite(ManyLights& many) {
 }
 
 /// Points among the lights, on them, near and far.
-std::vector<Vec3f> points(const ManyLights& many, const Vec3f& centre = Vec3f(0.0f)) {
+std::vector<Vec3f> points(const ManyLights& many, const Vec3f& center = Vec3f(0.0f)) {
     std::vector<Vec3f> result;
     CounterRng rng(hashKey(77));
     for (const float extent : {0.1f, 1.0f, 1.5f, 100.0f, 1e6f})
-        for (int i = 0; i < 4; ++i) result.push_back(centre + randomPoint(rng, extent * kExtent));
+        for (int i = 0; i < 4; ++i) result.push_back(center + randomPoint(rng, extent * kExtent));
     for (size_t i = 0; i < many.lights.size() && i < 12; ++i)
         if (const std::optional<LightBounds> b = many.lights[i]->bounds()) {
             result.push_back(b->lower);
@@ -102,17 +102,17 @@ TEST(LightSelector, SamplesFollowIt) {
 TEST(LightSelector, ReachesEveryLightThatArrives) {
     // Lights apart, lights within each other, and far from the origin.
     struct Case {
-        float centre, extent, size;
+        float center, extent, size;
     };
     for (const Case& c : {Case{0, kExtent, 0.5f}, Case{0, 1, 3}, Case{3000, kExtent, 1}}) {
-        const Vec3f centre(c.centre, -c.centre, 0.3f * c.centre);
-        ManyLights many = mixedLights(200, 5, centre, c.extent, c.size);
+        const Vec3f center(c.center, -c.center, 0.3f * c.center);
+        ManyLights many = mixedLights(200, 5, center, c.extent, c.size);
         addInfinite(many);
-        const LightSelector s = selector(many, centre);
+        const LightSelector s = selector(many, center);
         CounterRng rng(hashKey(6));
         int arrived = 0;
         for (int k = 0; k < 2000; ++k) {
-            const Vec3f x = centre + randomPoint(rng, (k % 2 == 0 ? 1.0f : 0.2f) * kExtent);
+            const Vec3f x = center + randomPoint(rng, (k % 2 == 0 ? 1.0f : 0.2f) * kExtent);
             for (int j = 0; j < 12; ++j) {
                 const auto i = std::min(static_cast<size_t>(rng.next1D() * float(many.lights.size())),
                                         many.lights.size() - 1);
@@ -327,4 +327,4 @@ TEST(LightSelector, PrefersTheLightsThatCount) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::SceneBuilder;
@@ -164,4 +164,4 @@ TEST(Scene, BoundsHoldSurfacesAndTheCamera) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 namespace {
 
 using testing::ElementsAre;
@@ -86,4 +86,4 @@ TEST(FitRun, TakesTheLastFourDoublings) {
 }
 
 }  // namespace
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

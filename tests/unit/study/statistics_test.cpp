@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 namespace {
 
 using testing::ElementsAre;
@@ -123,4 +123,4 @@ TEST(Ranking, TellsTheWinnerAndWhoCannotBeToldFromIt) {
 }
 
 }  // namespace
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

@@ -14,7 +14,7 @@
 #include <sstream>
 #include <unistd.h>
 
-namespace metrolux::study {
+namespace metrolux::core::study {
 namespace {
 
 namespace fs = std::filesystem;
@@ -258,7 +258,7 @@ TEST(RunFiles, HaveNamesThatEveryFileSystemTakes) {
 }
 
 TEST(PagePixels, AreBase64OfZlibOfBytePlanes) {
-    // One grey pixel: three equal numbers. 1.0f is 3f800000, so the planes are 0 0 0, 0 0 0, 80 80 80, 3f 3f
+    // One gray pixel: three equal numbers. 1.0f is 3f800000, so the planes are 0 0 0, 0 0 0, 80 80 80, 3f 3f
     // 3f.
     const ImageData image{1, 1, 1, {1.0f}};
     const std::string text = encodePixels(image, false);
@@ -279,4 +279,4 @@ TEST(StudyPage, CannotBeBrokenByWhatItShows) {
 }
 
 }  // namespace
-}  // namespace metrolux::study
+}  // namespace metrolux::core::study

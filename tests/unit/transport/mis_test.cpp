@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 TEST(Mis, PathTracingKnowsHitAndNeeOnly) {
@@ -118,4 +118,4 @@ TEST(Mis, ALightThatNextEventCannotReachTakesNoPart) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

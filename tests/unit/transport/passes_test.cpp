@@ -13,7 +13,7 @@
 #include <cstring>
 #include <set>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::SceneBuilder;
@@ -274,7 +274,7 @@ TEST(HilbertOrder, VisitsEveryPixelOnce) {
     }
 }
 
-TEST(HilbertOrder, GoesFromNeighbourToNeighbourInSquares) {
+TEST(HilbertOrder, GoesFromNeighborToNeighborInSquares) {
     for (const int size : {2, 4, 8, 64, 128}) {
         const std::vector<uint32_t> order = hilbertOrder(size, size);
         for (size_t i = 1; i < order.size(); ++i) {
@@ -349,4 +349,4 @@ TEST(ConnectVertices, AWallBetweenThemBlocks) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

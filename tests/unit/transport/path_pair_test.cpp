@@ -9,7 +9,7 @@
 #include <map>
 #include <set>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 using test::SceneBuilder;
@@ -160,4 +160,4 @@ TEST(PathPair, StaysWithinReachOfACropWindow) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 /// Uniform photons on a unit square of the plane z = 0.3, tilted or not.
@@ -89,4 +89,4 @@ TEST(PhotonDensity, LimitsWhatMergesCountFor) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 constexpr int kWidth = 40, kHeight = 20;
@@ -66,4 +66,4 @@ TEST(PixelImportance, OfABlackImageIsLuminance) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

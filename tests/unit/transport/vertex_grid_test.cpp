@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 std::vector<Vertex> vertices(const std::vector<Vec3f>& points) {
@@ -133,4 +133,4 @@ TEST(Vertex, IsSmallAndPlain) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,8 +1,8 @@
-/// The estimates of b_V and b_F from synthetic replicas whose normalisations are known: V has probability
+/// The estimates of b_V and b_F from synthetic replicas whose normalizations are known: V has probability
 /// 0.03, F is log-normal on it (deviation 1.5 of the logarithm: the square of F has a relative variance of
 /// 8000).
 
-#include "markov/normalisation.h"
+#include "markov/normalization.h"
 
 #include "base/rng.h"
 #include "support/goodness_of_fit.h"
@@ -12,7 +12,7 @@
 
 #include <numbers>
 
-namespace metrolux {
+namespace metrolux::core {
 namespace {
 
 constexpr double kVisible = 0.03, kMu = -2, kSigma = 1.5;
@@ -24,11 +24,11 @@ double normalDeviate(CounterRng& rng) {
 }
 
 /// All samples of a run. `held`: chains keep a value for so many steps (correlation within a lane).
-Normalisation simulate(uint64_t seed, int steps, int held) {
-    Normalisation n;
+Normalization simulate(uint64_t seed, int steps, int held) {
+    Normalization n;
     for (int lane = 0; lane < kLanes; ++lane) {
         CounterRng rng(hashKey(seed, lane));
-        Normalisation::Samples s;
+        Normalization::Samples s;
         double v = 0;
         for (int i = 0; i < steps; ++i) {
             s.addUniform(rng.nextDouble() < kVisible ? std::exp(kMu + kSigma * normalDeviate(rng)) : 0);
@@ -47,10 +47,10 @@ struct Calibration {
     double pValue = 1;                      ///< that the mean of the estimates is the truth
 };
 template <class Read>
-Calibration calibrate(const std::vector<Normalisation>& runs, double truth, Read&& read) {
+Calibration calibrate(const std::vector<Normalization>& runs, double truth, Read&& read) {
     Calibration c;
     const double n = double(runs.size());
-    for (const Normalisation& run : runs) {
+    for (const Normalization& run : runs) {
         const Estimate e = read(run);
         const double error = e.value / truth - 1;
         c.bias += error / n;
@@ -65,14 +65,14 @@ Calibration calibrate(const std::vector<Normalisation>& runs, double truth, Read
     return c;
 }
 
-TEST(Normalisation, IsRightOnAverageAndKnowsItsError) {
+TEST(Normalization, IsRightOnAverageAndKnowsItsError) {
     for (const int held : {1, 10}) {
-        std::vector<Normalisation> runs;
+        std::vector<Normalization> runs;
         for (uint64_t seed = 0; seed < 40; ++seed) runs.push_back(simulate(hashKey(held, seed), 2000, held));
         const Calibration v =
-            calibrate(runs, kVisible, [](const Normalisation& n) { return n.visibilityEstimate(); });
+            calibrate(runs, kVisible, [](const Normalization& n) { return n.visibilityEstimate(); });
         const Calibration f =
-            calibrate(runs, kContribution, [](const Normalisation& n) { return n.contributionEstimate(); });
+            calibrate(runs, kContribution, [](const Normalization& n) { return n.contributionEstimate(); });
         for (const Calibration& c : {v, f}) {
             EXPECT_GT(c.pValue, 1e-4) << "held " << held << " bias " << c.bias << " rms " << c.rms;
             EXPECT_LT(c.rms, 0.1);
@@ -87,15 +87,15 @@ TEST(Normalisation, IsRightOnAverageAndKnowsItsError) {
     }
 }
 
-TEST(Normalisation, FollowsAPowerOfTheRadius) {
+TEST(Normalization, FollowsAPowerOfTheRadius) {
     // r^2 ~ i^-1/4 as [HPJ12] has it; V ~ r^2, mean of F over it ~ 1 / r^2. Counts are their expectations: no
     // noise.
-    Normalisation n;
+    Normalization n;
     constexpr int kIterations = 1000;  // more than the records that are kept apart
     constexpr int kSamples = 100000;
     for (int i = 1; i <= kIterations; ++i) {
         const double r2 = std::pow(i, -0.25);
-        Normalisation::Samples s;
+        Normalization::Samples s;
         const int visible = int(std::lround(0.1 * kSamples * r2));
         for (int k = 0; k < kSamples / 10; ++k) s.addUniform(k < visible / 10 ? 3 / r2 : 0);
         for (int k = 0; k < 100; ++k) s.addVisibility(3 / r2);
@@ -108,10 +108,10 @@ TEST(Normalisation, FollowsAPowerOfTheRadius) {
     }
 }
 
-TEST(Normalisation, ForgetsSizesButNotWhatWasVisible) {
-    Normalisation n;
+TEST(Normalization, ForgetsSizesButNotWhatWasVisible) {
+    Normalization n;
     const auto iteration = [&](double size) {
-        Normalisation::Samples s;
+        Normalization::Samples s;
         for (int i = 0; i < 100; ++i) s.addUniform(i < 10 ? size : 0);
         n.add(0, s);
         n.endIteration(1);
@@ -128,7 +128,7 @@ TEST(Normalisation, ForgetsSizesButNotWhatWasVisible) {
     EXPECT_NEAR(n.contribution(), 0.2, 1e-12);
 }
 
-TEST(Normalisation, FitTrend) {
+TEST(Normalization, FitTrend) {
     std::vector<TrendPoint> points;
     for (const double x : {0.0, -0.1, -0.3, -0.35})
         points.push_back({x, 50, 50 * std::exp(-1 + 0.7 * x), 1 - x});
@@ -143,12 +143,12 @@ TEST(Normalisation, FitTrend) {
     EXPECT_NEAR(fitTrend({{-2, 10, 5, 1}}, -2, 0, 1), 0.5, 1e-12);
 }
 
-TEST(Normalisation, KnowsNothingWithoutVisibleOrUniformSamples) {
-    Normalisation n;
+TEST(Normalization, KnowsNothingWithoutVisibleOrUniformSamples) {
+    Normalization n;
     n.update(1);
     EXPECT_EQ(n.visibility(), 1);
     EXPECT_EQ(n.contribution(), 1);
-    Normalisation::Samples dark;
+    Normalization::Samples dark;
     for (int i = 0; i < 100; ++i) dark.addUniform(0);
     n.add(0, dark);
     n.endIteration(1);
@@ -156,8 +156,8 @@ TEST(Normalisation, KnowsNothingWithoutVisibleOrUniformSamples) {
     EXPECT_TRUE(std::isfinite(n.visibility()));
     EXPECT_TRUE(std::isinf(n.visibilityEstimate().standardError));  // groups without samples
 
-    Normalisation chainsOnly;
-    Normalisation::Samples s;
+    Normalization chainsOnly;
+    Normalization::Samples s;
     for (int i = 0; i < 100; ++i) s.addVisibility(2.0);
     chainsOnly.add(0, s);
     chainsOnly.endIteration(1);
@@ -166,12 +166,12 @@ TEST(Normalisation, KnowsNothingWithoutVisibleOrUniformSamples) {
     EXPECT_EQ(chainsOnly.contribution(), 1);
 }
 
-TEST(Normalisation, ClearedSamplesAreEmpty) {
-    Normalisation::Samples s;
+TEST(Normalization, ClearedSamplesAreEmpty) {
+    Normalization::Samples s;
     s.addUniform(1);
     s.addVisibility(2);
     s.clear();
-    Normalisation n;
+    Normalization n;
     n.add(0, s);
     n.endIteration(1);
     n.update(1);
@@ -179,9 +179,9 @@ TEST(Normalisation, ClearedSamplesAreEmpty) {
     EXPECT_EQ(n.visibleSamples(), 0);
 }
 
-TEST(Normalisation, ExtremeSizesAreFinite) {
-    Normalisation n;
-    Normalisation::Samples s;
+TEST(Normalization, ExtremeSizesAreFinite) {
+    Normalization n;
+    Normalization::Samples s;
     for (const double size : {1e-37, 1e-10, 1.0, 1e10, 1e37}) {
         s.addUniform(size);
         s.addVisibility(size);
@@ -237,12 +237,12 @@ TEST(BennettMean, OfNothingIsZero) {
     EXPECT_NEAR(bennettMean(some, some), 3, 0.15);
 }
 
-TEST(Normalisation, BennettsRatioUsesTheContributionReplica) {
-    Normalisation n(NormalisationMethod::Bennett);
+TEST(Normalization, BennettsRatioUsesTheContributionReplica) {
+    Normalization n(NormalizationMethod::Bennett);
     // Half of the uniform samples are visible, with sizes 1 and 16 alike often: the mean is 8.5, and the
     // contribution replica visits 16 in 16 of 17 steps. Uniform samples have missed most of the large ones.
     for (int i = 0; i < 200; ++i) {
-        Normalisation::Samples s = n.newSamples();
+        Normalization::Samples s = n.newSamples();
         for (int k = 0; k < 34; ++k) s.addUniform(0);
         for (int k = 0; k < 34; ++k) s.addUniform(k % 2 ? 1 : 16);
         for (int k = 0; k < 340; ++k) s.addContribution(k % 17 ? 16 : 1);
@@ -255,4 +255,4 @@ TEST(Normalisation, BennettsRatioUsesTheContributionReplica) {
 }
 
 }  // namespace
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -5,14 +5,14 @@
 #include <cstdint>
 #include <vector>
 
-namespace metrolux {
+namespace metrolux::core {
 
 struct Estimate {
     double value = 0, standardError = 0;
 };
 
 /// How b_F is estimated.
-enum class NormalisationMethod {
+enum class NormalizationMethod {
     Pooled,  ///< mean F of visible samples, of the uniform and the visibility replica
     Bennett  ///< from the contribution replica's samples too: bennettMean()
 };
@@ -51,13 +51,13 @@ class SizeHistogram {
 /// v.
 double bennettMean(const SizeHistogram& ofV, const SizeHistogram& ofF);
 
-/// Normalisations b_V and b_F of the replicas' targets (ALGORITHM.md section 3), as functions of the merging
+/// Normalizations b_V and b_F of the replicas' targets (ALGORITHM.md section 3), as functions of the merging
 /// radius.
 ///
 ///     b_V = share of the visible among the uniform samples,   b_F = b_V * mean of F over visible samples,
 ///
 /// the latter over the visible uniform samples and those of the visibility chains, which follow the same
-/// distribution (or as NormalisationMethod says). Inverse-variance weighting of the two classic estimators of
+/// distribution (or as NormalizationMethod says). Inverse-variance weighting of the two classic estimators of
 /// b_F was tried: for heavy-tailed F the smaller mean comes with the smaller variance, and b_F was several
 /// percent low.
 ///
@@ -65,7 +65,7 @@ double bennettMean(const SizeHistogram& ofV, const SizeHistogram& ofF);
 /// the past would lag behind (33 % for r^2 ~ i^-1/4), one over a short window is noisy. Both quantities are
 /// therefore fitted as powers of the radius, b_V ~ (r^2)^gamma, by quasi-likelihood (Wedderburn 1974) over
 /// all iterations, recent ones weighted more.
-class Normalisation {
+class Normalization {
   public:
     /// Samples of one lane in one iteration.
     class Samples {
@@ -94,17 +94,17 @@ class Normalisation {
         }
 
       private:
-        friend class Normalisation;
+        friend class Normalization;
         double uniform_ = 0, uniformVisible_ = 0, uniformSize_ = 0, visibility_ = 0, visibilitySize_ = 0;
         bool histograms_ = false;
         SizeHistogram visibleSizes_, contributionSizes_;
     };
 
-    explicit Normalisation(NormalisationMethod method = NormalisationMethod::Pooled) : method_(method) {}
+    explicit Normalization(NormalizationMethod method = NormalizationMethod::Pooled) : method_(method) {}
     /// Of a lane, to be filled and given to add().
     Samples newSamples() const {
         Samples s;
-        s.histograms_ = method_ == NormalisationMethod::Bennett;
+        s.histograms_ = method_ == NormalizationMethod::Bennett;
         return s;
     }
 
@@ -129,7 +129,7 @@ class Normalisation {
     void serialize(Archive& archive) {
         serializeAtMost(archive, records_, kMostRecords, "iterations");
         archive(iterations_, logRadius_, value_, visibleSizes_, contributionSizes_);
-        checkState(value_.visibility > 0 && value_.contribution > 0, "positive normalisations");
+        checkState(value_.visibility > 0 && value_.contribution > 0, "positive normalizations");
     }
 
     /// With standard errors, for reports: jackknife over groups of lanes.
@@ -170,7 +170,7 @@ class Normalisation {
     double bennettFactor() const;
     Estimate jackknife(double Solution::*which) const;
 
-    NormalisationMethod method_;
+    NormalizationMethod method_;
     SizeHistogram visibleSizes_, contributionSizes_;  ///< of recent iterations
     std::vector<Record> records_;
     Record current_;
@@ -186,4 +186,4 @@ struct TrendPoint {
 /// exposure.
 double fitTrend(const std::vector<TrendPoint>& points, double x, double gammaMin, double gammaMax);
 
-}  // namespace metrolux
+}  // namespace metrolux::core

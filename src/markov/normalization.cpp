@@ -1,4 +1,4 @@
-#include "markov/normalisation.h"
+#include "markov/normalization.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <iterator>
 #include <limits>
 
-namespace metrolux {
+namespace metrolux::core {
 
 void SizeHistogram::add(double size, double count) {
     if (counts_.empty()) counts_.resize(kBins);
@@ -51,7 +51,7 @@ double bennettMean(const SizeHistogram& ofV, const SizeHistogram& ofF) {
     return mean;
 }
 
-Normalisation::Counts& Normalisation::Counts::operator+=(const Counts& other) {
+Normalization::Counts& Normalization::Counts::operator+=(const Counts& other) {
     uniform += other.uniform;
     uniformVisible += other.uniformVisible;
     visible += other.visible;
@@ -59,14 +59,14 @@ Normalisation::Counts& Normalisation::Counts::operator+=(const Counts& other) {
     return *this;
 }
 
-void Normalisation::add(int lane, const Samples& s) {
+void Normalization::add(int lane, const Samples& s) {
     current_.groups[lane % kGroups] += {s.uniform_, s.uniformVisible_, s.uniformVisible_ + s.visibility_,
                                         s.uniformSize_ + s.visibilitySize_};
     visibleSizes_ += s.visibleSizes_;
     contributionSizes_ += s.contributionSizes_;
 }
 
-void Normalisation::endIteration(double squaredRadius) {
+void Normalization::endIteration(double squaredRadius) {
     constexpr double kRecent = 0.9;  // F changes with the radius
     visibleSizes_.scale(kRecent);
     contributionSizes_.scale(kRecent);
@@ -76,7 +76,7 @@ void Normalisation::endIteration(double squaredRadius) {
     records_.push_back(std::move(current_));
     current_ = {};
     if (records_.size() <= kMostRecords) return;
-    // Neighbours of the past are joined: what is far back is smooth and weighs little.
+    // Neighbors of the past are joined: what is far back is smooth and weighs little.
     std::vector<Record> joined;
     for (size_t i = 0; i + 1 < records_.size() / 2; i += 2) {
         Record &a = records_[i], &b = records_[i + 1];
@@ -94,21 +94,21 @@ void Normalisation::endIteration(double squaredRadius) {
     records_ = std::move(joined);
 }
 
-void Normalisation::forgetSizes() {
+void Normalization::forgetSizes() {
     for (Record& r : records_)
         for (Counts& c : r.groups) c.visible = c.size = 0;
     visibleSizes_.clear();
     contributionSizes_.clear();
 }
 
-double Normalisation::visibleSamples() const {
+double Normalization::visibleSamples() const {
     double sum = 0;
     for (const Record& r : records_)
         for (const Counts& c : r.groups) sum += c.visible;
     return sum;
 }
 
-Normalisation::Solution Normalisation::solve(int withoutGroup) const {
+Normalization::Solution Normalization::solve(int withoutGroup) const {
     // Recent iterations count more: the power law need only hold locally.
     constexpr double kMemory = 2;
     std::vector<TrendPoint> visible, size;
@@ -130,19 +130,19 @@ Normalisation::Solution Normalisation::solve(int withoutGroup) const {
     return {b, b * mean};
 }
 
-void Normalisation::update(double squaredRadius) {
+void Normalization::update(double squaredRadius) {
     logRadius_ = std::log(squaredRadius);
     value_ = solve(-1);
-    if (method_ == NormalisationMethod::Bennett) value_.contribution *= bennettFactor();
+    if (method_ == NormalizationMethod::Bennett) value_.contribution *= bennettFactor();
 }
 
-double Normalisation::bennettFactor() const {
+double Normalization::bennettFactor() const {
     const double bennett = bennettMean(visibleSizes_, contributionSizes_),
                  plain = bennettMean(visibleSizes_, {});
     return plain > 0 ? bennett / plain : 1;
 }
 
-Estimate Normalisation::jackknife(double Solution::*which) const {
+Estimate Normalization::jackknife(double Solution::*which) const {
     double mean = 0;
     std::vector<double> partial;
     for (int g = 0; g < kGroups; ++g) {
@@ -187,4 +187,4 @@ double fitTrend(const std::vector<TrendPoint>& points, double x, double gammaMin
     return ratio;
 }
 
-}  // namespace metrolux
+}  // namespace metrolux::core

@@ -1,4 +1,4 @@
-// Display colours: the sRGB encoding of writePng and the error scale of errorHeatMap (src/image).
+// Display colors: the sRGB encoding of writePng and the error scale of errorHeatMap (src/image).
 
 const kTableSize = 1 << 14;
 const kSrgb = new Uint8Array(kTableSize + 1);
@@ -32,8 +32,8 @@ const kStops = [
   [1.0, 1.0, 1.0],
 ];
 
-// Position 0..1 on the scale to a display colour.
-export function heatColour(t) {
+// Position 0..1 on the scale to a display color.
+export function heatColor(t) {
   const position = Math.min(Math.max(t, 0), 1) * 5;
   const stop = Math.min(Math.floor(position), 4);
   return [0, 1, 2].map((c) => {
@@ -42,7 +42,7 @@ export function heatColour(t) {
   });
 }
 
-const kHeat = Array.from({ length: 1024 }, (_, i) => heatColour(i / 1023));
+const kHeat = Array.from({ length: 1024 }, (_, i) => heatColor(i / 1023));
 
 // Relative error of a pixel: the root of the mean over channels of (a-b)^2 / (b^2 + epsilon).
 export function relativeError(a, b, index, epsilon) {
@@ -59,8 +59,8 @@ export function errorPixels(image, reference, epsilon) {
   for (let i = 0, o = 0; o < result.data.length; i += 3, o += 4) {
     const error = relativeError(image.values, reference.values, i, epsilon);
     const position = Math.log10(Math.max(error, 1e-3)) / 3 + 1;
-    const colour = Number.isFinite(error) ? kHeat[Math.round(Math.min(position, 1) * 1023)] : [0, 255, 0];
-    result.data.set(colour, o);
+    const color = Number.isFinite(error) ? kHeat[Math.round(Math.min(position, 1) * 1023)] : [0, 255, 0];
+    result.data.set(color, o);
     result.data[o + 3] = 255;
   }
   return result;

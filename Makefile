@@ -91,7 +91,7 @@ study: build
 	tools/study.sh study
 	tools/study_table.py study
 
-# The pictures of docs/integrators.md: two minutes of processor time.
+# The pictures of docs/reference/integrators.md: two minutes of processor time.
 integrator-pictures: build
 	tools/integrator_pictures.sh
 

@@ -1,11 +1,11 @@
-# One static library for each module of ARCHITECTURE.md; tests/unit/module_order_test checks the direction of includes.
+# One static library for each module of docs/explain/architecture.md; tests/unit/module_order_test checks the direction of includes.
 add_library(metrolux_options INTERFACE)
 target_compile_features(metrolux_options INTERFACE cxx_std_20)
 target_compile_options(metrolux_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>  # false positives on Imath vectors in GCC 12
   # GCC packs neighbouring floats that were stored one by one into one load, and waits for those stores
-  # longer than the wide operations save (docs/performance.md).
+  # longer than the wide operations save (docs/lab/performance.md).
   -fno-math-errno -fno-trapping-math -ffp-contract=off -fno-tree-slp-vectorize)
 if(METROLUX_WERROR)
   target_compile_options(metrolux_options INTERFACE -Werror)

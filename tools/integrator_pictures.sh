@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Renders the pictures of docs/integrators.md and prints the errors: `make integrator-pictures`. Every integrator makes as many
+# Renders the pictures of docs/reference/integrators.md and prints the errors: `make integrator-pictures`. Every integrator makes as many
 # passes as take ten seconds of processor time (of the machine that the table below was measured on), so that the
 # pictures are equal-time ones and the same bits everywhere, however busy the machine is.
 #
@@ -9,7 +9,7 @@ cd "$(dirname "$0")/.."
 metrolux=${METROLUX:-build/metrolux}
 out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
-mkdir -p docs/integrators
+mkdir -p docs/lab/pictures
 
 passes() {
     case $1-$2 in
@@ -27,7 +27,7 @@ for scene in ${SCENES:-water-sds}; do
         n=$(($(passes "$scene" "$i") * ${FACTOR:-1}))
         TIMEFORMAT='%U'
         { time "$metrolux" render "scenes/$scene/scene.xml" -i "$i" --passes "$n" --resolution 256x192 --seed 1 --save-every 0 \
-            --quiet -o "$out/a.exr" -o "docs/integrators/$scene-$i.png"; } 2>"$out/cpu"
+            --quiet -o "$out/a.exr" -o "docs/lab/pictures/$scene-$i.png"; } 2>"$out/cpu"
         values=$("$metrolux" compare "$out/a.exr" "tests/agreement/references/$scene.exr")
         field() { sed -n "s/^$1 *\([^ ]*\).*/\1/p" <<<"$values"; }
         printf '| %s | %s | %s | %.4g | %.4g | %+.2f %% | %s |\n' "$scene" "$i" "$n" "$(field relMSE)" "$(field trimmed)" \

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The study of docs/paper.md and of the README's table: all integrators on six hard scenes.
+# The study of docs/lab/paper.md and of the README's table: all integrators on six hard scenes.
 #
 #   tools/study.sh FOLDER [SCENE...]     scenes: vitrine water-sds torus veach-ajar veach-bidir door-ajar
 #

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Table of the studies in a folder (tools/study.sh), for README.md and docs/paper.md.
+"""Table of the studies in a folder (tools/study.sh), for README.md and docs/lab/paper.md.
 
     tools/study_table.py FOLDER... [--base NAME]
 

@@ -70,7 +70,7 @@ void addCheckpointOptions(CLI::App& app, RenderArguments& a) {
 }
 
 void addStreamOptions(CLI::App& app, RenderArguments& a) {
-    const char* const group = "Many machines (docs/scale.md)";
+    const char* const group = "Many machines (docs/how-to/many-machines.md)";
     app.add_option(
            "--streams", a.streams,
            "Divide the rendering into S independent streams of passes. Under mpirun the ranks share\nthem; "

@@ -34,7 +34,7 @@ error is measured at times that grow by the square root of 2; measuring stops th
 (or --clock cpu).
 
 Each scene gets a folder: index.html (a page that needs no network: images side by side, curves, table),
-study.json, curves.csv, table.md, and the images as EXR and PNG. docs/study.md defines all numbers.
+study.json, curves.csv, table.md, and the images as EXR and PNG. docs/reference/study.md defines all numbers.
 
 Ctrl-C ends the pass in progress, writes what is there and exits with status 3.)";
 

@@ -21,7 +21,7 @@ class Intersector {
   public:
     /// Groups of so many triangles, most of which have a common edge with the one before or after (as those
     /// of a mesh of quadrilaterals), are given to Embree in pairs. The tree is half as large, so that with
-    /// millions less of it misses the caches; with fewer it is no faster (docs/performance.md).
+    /// millions less of it misses the caches; with fewer it is no faster (docs/lab/performance.md).
     static constexpr size_t kPairFrom = 250'000;
 
     Intersector(const std::vector<ShapePtr>& shapes, const std::vector<Instance>& instances,

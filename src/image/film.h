@@ -94,7 +94,7 @@ class Film {
     /// As add(), of a film that has these sums and counts.
     void addSums(std::span<const PixelSum> sums, uint32_t passes, const TechniqueCounts& nonFinite);
 
-    /// Non-finite contributions were counted instead of added (ARCHITECTURE.md).
+    /// Non-finite contributions were counted instead of added (docs/explain/architecture.md).
     TechniqueCounts nonFinite() const;
     uint64_t nonFinite(Technique technique) const { return nonFinite_[static_cast<int>(technique)].load(); }
     void countNonFinite(Technique technique) { nonFinite_[static_cast<int>(technique)].fetch_add(1); }

@@ -36,9 +36,9 @@ struct SplatList {
         film.clear();
     }
     bool empty() const { return pixels.empty() && film.empty(); }
-    /// Sum of luminances: F(u) of ALGORITHM.md section 3. Without their signs: eye subpaths in a negative
-    /// lobe of the reconstruction filter make negative splats, and F must be positive wherever something is
-    /// contributed.
+    /// Sum of luminances: F(u) of docs/explain/algorithm.md section 3. Without their signs: eye subpaths in a
+    /// negative lobe of the reconstruction filter make negative splats, and F must be positive wherever
+    /// something is contributed.
     double size() const {
         double sum = 0;
         for (const PixelSplat& s : pixels) sum += std::abs(luminance(s.value));

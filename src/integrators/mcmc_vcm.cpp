@@ -9,7 +9,7 @@ namespace {
 
 /// Share of the light subpaths that are connected. Connections cost as much as all else that a light subpath
 /// does, and where chains find the light that is hard to find, merging carries most of it: this share has the
-/// smallest error in the same time on most of the scenes of docs/results.md ("Connections").
+/// smallest error in the same time on most of the scenes of docs/lab/results.md ("Connections").
 constexpr double kConnections = 1.0 / 16;
 
 class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedIntegrator> {

@@ -51,8 +51,8 @@ class SizeHistogram {
 /// v.
 double bennettMean(const SizeHistogram& ofV, const SizeHistogram& ofF);
 
-/// Normalizations b_V and b_F of the replicas' targets (ALGORITHM.md section 3), as functions of the merging
-/// radius.
+/// Normalizations b_V and b_F of the replicas' targets (docs/explain/algorithm.md section 3), as functions of
+/// the merging radius.
 ///
 ///     b_V = share of the visible among the uniform samples,   b_F = b_V * mean of F over visible samples,
 ///

@@ -1,6 +1,7 @@
 #pragma once
-/// The replicas of ALGORITHM.md section 3 (uniform, visibility, contribution) in independent lanes, with
-/// replica exchange and expected-value weights. Like the chains, it knows nothing of what a value means.
+/// The replicas of docs/explain/algorithm.md section 3 (uniform, visibility, contribution) in independent
+/// lanes, with replica exchange and expected-value weights. Like the chains, it knows nothing of what a value
+/// means.
 
 #include "base/distribution.h"
 #include "base/parallel.h"

@@ -2,8 +2,8 @@
 
 namespace metrolux::core {
 
-/// Samples of each replica in an iteration, and the balance heuristic across replicas: W(u) of ALGORITHM.md
-/// section 3.
+/// Samples of each replica in an iteration, and the balance heuristic across replicas: W(u) of
+/// docs/explain/algorithm.md section 3.
 ///
 /// A chain's steps are correlated and count for less than independent samples: with statistical inefficiency
 /// g, n steps of a chain enter every weight as n/g samples. Any g is unbiased.

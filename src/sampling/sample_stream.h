@@ -7,7 +7,7 @@ namespace metrolux::core {
 /// stream.
 ///
 /// Coordinates are laid out in blocks: one for the endpoint, one for each vertex, so that one bounce never
-/// shifts the meaning of the next one's coordinates (ALGORITHM.md section 3).
+/// shifts the meaning of the next one's coordinates (docs/explain/algorithm.md section 3).
 class SampleStream {
   public:
     /// Number of coordinates of the endpoint's block (block 0) and of each vertex's block (1, 2, ...).

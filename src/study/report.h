@@ -7,7 +7,7 @@
 
 namespace metrolux::core::study {
 
-inline constexpr int kFormatVersion = 1;  ///< of study.json; docs/study.md describes it
+inline constexpr int kFormatVersion = 1;  ///< of study.json; docs/reference/study.md describes it
 
 /// What is the same for all scenes of a study.
 struct Provenance {

@@ -1,6 +1,6 @@
 #pragma once
-/// The techniques that join subpaths deterministically (ALGORITHM.md section 1), each with its weight. All
-/// return the weighted contribution of one sample; visibility is tested.
+/// The techniques that join subpaths deterministically (docs/explain/algorithm.md section 1), each with its
+/// weight. All return the weighted contribution of one sample; visibility is tested.
 
 #include "scene/scene.h"
 #include "transport/vertex.h"

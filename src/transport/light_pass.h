@@ -25,8 +25,8 @@ struct LightJob {
     std::vector<Vec3f>* trail = nullptr;  ///< receives their positions (cleared first), if given
 };
 
-/// evaluate(u) -> splats of ALGORITHM.md section 2: everything that one light subpath contributes in an
-/// iteration. A pure function of the stream, given the iteration's eye vertices.
+/// evaluate(u) -> splats of docs/explain/algorithm.md section 2: everything that one light subpath
+/// contributes in an iteration. A pure function of the stream, given the iteration's eye vertices.
 struct LightPass {
     const Scene& scene;
     const PathLimits& limits;

@@ -1,11 +1,12 @@
 #pragma once
 /// Multiple importance sampling weights of the five techniques of vertex connection and merging, by the
 /// recursive quantities of [Geo12]: I. Georgiev, Implementing Vertex Connection and Merging, technical
-/// report, Saarland University 2012 (abbreviated TR), with the technique counts of ALGORITHM.md section 1.
+/// report, Saarland University 2012 (abbreviated TR), with the technique counts of docs/explain/algorithm.md
+/// section 1.
 ///
 /// Roulette is left out of these densities: where it starts (rr_depth) counts edges from a subpath's own end,
 /// so its probabilities are not a property of the path alone. Leaving it out costs nothing but optimality:
-/// the weights depend on the path only and sum to one (docs/notation.md).
+/// the weights depend on the path only and sum to one (docs/explain/notation.md).
 
 #include "base/math.h"
 #include "transport/photon_density.h"

@@ -15,7 +15,8 @@ class PixelImportance {
     /// is multiplied by one: F keeps its scale.
     void update(const Film& film);
 
-    /// Sum over the splats of luminance times importance: F(u) of ALGORITHM.md section 3 with this target.
+    /// Sum over the splats of luminance times importance: F(u) of docs/explain/algorithm.md section 3 with
+    /// this target.
     double size(const SplatList& splats) const;
     /// Sum of the squares of the same: the noise that they bring in relative terms.
     double squares(const SplatList& splats) const;

@@ -18,10 +18,10 @@
 ///
 /// Merging blurs over its radius. The radius here is half the default: `vcm` with radii of 1/2 and 1/4 of the
 /// default and the same seed differ by less than 1 % of the image mean wherever noise lets it be told (table
-/// in docs/conformance.md); bias within a block is what the test would report as a disagreement with path and
-/// bdpt. Photon mapping (sppm, vpt), which makes all light by merging, is darker than vcm by 1.0 % +- 0.2 %
-/// of the mean of cornell_box with the default radius and by 0.5 % +- 0.3 % with half of it, which a block's
-/// test does not tell (docs/integrators.md).
+/// in docs/lab/conformance.md); bias within a block is what the test would report as a disagreement with path
+/// and bdpt. Photon mapping (sppm, vpt), which makes all light by merging, is darker than vcm by 1.0 % +- 0.2
+/// % of the mean of cornell_box with the default radius and by 0.5 % +- 0.3 % with half of it, which a
+/// block's test does not tell (docs/reference/integrators.md).
 
 #include "paths.h"
 #include "support/block_statistics.h"

@@ -10,8 +10,8 @@
 ///
 /// Tungsten's images of veach-mis and veach-bidir have one bounce less than the Mitsuba files say: those are
 /// 1.4 % and 2.1 % brighter (pixels of veach-mis whose plates see no lamp are exactly 0 in Tungsten's image;
-/// Mitsuba's own renders of the files agree with ours, docs/results.md). They are rendered with the max_depth
-/// that Tungsten's images have.
+/// Mitsuba's own renders of the files agree with ours, docs/lab/results.md). They are rendered with the
+/// max_depth that Tungsten's images have.
 
 #include "image/compare.h"
 #include "image/image_io.h"

@@ -42,7 +42,7 @@ inline constexpr double kZTestShare = 0.9975;
 /// Writes image, reference, error and p-values (white: 1, black: 0) below METROLUX_BINARY_DIR/conformance.
 void writeFailure(const std::string& name, std::vector<float> imageXyz, const Reference& reference,
                   const std::vector<float>& pValues);
-/// Notes a row of the table of docs/conformance.md in
+/// Notes a row of the table of docs/lab/conformance.md in
 /// METROLUX_BINARY_DIR/conformance/<scene>-<integrator>.row.
 void writeRow(const std::string& scene, const std::string& integrator, const std::string& result,
               double seconds);

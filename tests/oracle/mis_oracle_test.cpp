@@ -1,9 +1,10 @@
 /// Recursive MIS weights against brute force: for random paths of every technique, the weight that transport/
-/// applies is compared with one made of the products of all densities along the path (ALGORITHM.md section
-/// 1), and the weights of all techniques of one path must sum to one. Deterministic: fixed seeds. 99.9 % of
-/// the paths must agree to 1e-4 (relative) and all to 2e-3 (8e-3 where a quarter of the light subpaths is
-/// connected): vertices are single precision, and refraction magnifies the rounding of a few. A wrong cosine,
-/// count or index of refraction shows as deviations of 1e-2 to 1 in most paths.
+/// applies is compared with one made of the products of all densities along the path
+/// (docs/explain/algorithm.md section 1), and the weights of all techniques of one path must sum to one.
+/// Deterministic: fixed seeds. 99.9 % of the paths must agree to 1e-4 (relative) and all to 2e-3 (8e-3 where
+/// a quarter of the light subpaths is connected): vertices are single precision, and refraction magnifies the
+/// rounding of a few. A wrong cosine, count or index of refraction shows as deviations of 1e-2 to 1 in most
+/// paths.
 
 #include "sampling/streams.h"
 #include "scattering/fresnel.h"

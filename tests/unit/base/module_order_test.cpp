@@ -1,5 +1,5 @@
-/// A module includes only modules above it (ARCHITECTURE.md, "Modules, in dependency order"): reads every
-/// #include of src/.
+/// A module includes only modules above it (docs/explain/architecture.md, "Modules, in dependency order"):
+/// reads every #include of src/.
 
 #include "paths.h"
 

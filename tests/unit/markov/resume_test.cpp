@@ -1,5 +1,5 @@
-/// "A chain of each kind resumed from its state continues bit for bit" (issue 4, item 2; ALGORITHM.md section
-/// 5).
+/// "A chain of each kind resumed from its state continues bit for bit" (issue 4, item 2;
+/// docs/explain/algorithm.md section 5).
 
 #include "base/state_archive.h"
 #include "markov/metropolis.h"

@@ -147,7 +147,7 @@ TEST_F(SmallStudy, JsonHasTheSchemaOfItsVersion) {
     collectKeys(
         studyJson(study, plan, {"1.2.3", {"metrolux", "study"}, {{"threads", 2}}, nlohmann::json::object()}),
         "", keys);
-    // A change here is a change of the format: count kFormatVersion up and say it in docs/study.md.
+    // A change here is a change of the format: count kFormatVersion up and say it in docs/reference/study.md.
     static_assert(kFormatVersion == 1);
     for (const char* key : {".format",
                             ".format_version",

@@ -1,105 +1,106 @@
-# `make demo` and `make test` are all that a fresh Debian 12 needs; everything else is for developers.
+# `make demo` and `make test` are all that a fresh Debian needs; `make help` lists the rest, which is for developers.
 SUDO := $(shell [ "$$(id -u)" = 0 ] || echo sudo)
-BUILD := build
 PACKAGES := $(shell cat packages.txt)
+install = { $(SUDO) apt-get update && DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get install -y --no-install-recommends $(1); }
+BUILD := build
 
-.PHONY: demo test test-conformance setup setup-browser build viewer debug-test gallery study format tidy clean integrator-pictures sanitize thread-test fuzz soak bench soak-checkpoint
+help:  ## this list
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1\t\2/p' Makefile | expand -t 28
+
+demo: setup setup-page  ## installs the packages, builds, renders tiles under waves for a minute: demo.png, demo.exr
+	cmake --preset release
+	cmake --build --preset release --target metrolux_command
+	$(BUILD)/metrolux render scenes/water-sds/scene.xml --time 60s -o demo.exr -o demo.png
+
+test: build setup-browser  ## builds and runs all tests; says which were skipped and why
+	tools/run_tests.sh release -j 2
+
+quick: setup  ## builds and runs the unit, oracle and repository tests: under three minutes once built
+	cmake --preset release
+	cmake --build --preset release --target quick_tests
+	tools/run_tests.sh release -j 2 -L '^(unit/.*|oracle|repository)$$'
+
+build: setup setup-page  ## builds everything
+	cmake --preset release
+	cmake --build --preset release
 
 setup:
 	@dpkg-query -W -f='$${Status}\n' $(PACKAGES) 2>/dev/null | grep -c '^install ok installed$$' | \
-	  grep -qx $(words $(PACKAGES)) || { $(SUDO) apt-get update && \
-	  DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get install -y --no-install-recommends $(PACKAGES); }
+	  grep -qx $(words $(PACKAGES)) || $(call install,$(PACKAGES))
 
 # npm bundles the page of `metrolux study`. Node from elsewhere brings its own npm, with which Debian's conflicts.
-	@command -v npm >/dev/null || { $(SUDO) apt-get update && \
-	  DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get install -y --no-install-recommends nodejs npm ca-certificates; } || \
+setup-page:
+	@command -v npm >/dev/null || $(call install,nodejs npm ca-certificates) || \
 	  echo "without npm: metrolux study will write no page"
 
 # For the test of that page.
 setup-browser:
-	@command -v chromium >/dev/null || { $(SUDO) apt-get update && \
-	  DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get install -y --no-install-recommends chromium; } || \
+	@command -v chromium >/dev/null || $(call install,chromium) || \
 	  echo "without chromium: the test of the page of metrolux study is skipped"
 
-build: setup
-	cmake --preset release
-	cmake --build --preset release
-
-demo: build
-	$(BUILD)/metrolux render scenes/water-sds/scene.xml --time 60s -o demo.exr -o demo.png
-
-# Bundles the page again, for example when the registry of npm could not be reached before.
-viewer: setup
+viewer: setup setup-page  ## bundles the page of metrolux study again, for example when npm's registry was not there before
 	cmake --preset release
 	rm -f $(BUILD)/web/page_template.cpp
 	cmake --build --preset release --target metrolux_command
 
-test: build setup-browser
-	ctest --preset release -j 2
-
-# Kernels and whole renders; results in build/bench/results. SCENES=... for other scenes, QUICK=1 for small sizes.
-bench: setup
+bench: setup  ## kernels and whole renders, to build/bench/results; SCENES=... for other scenes, QUICK=1 for small sizes
 	cmake --preset release -DMETROLUX_BENCH=ON
 	cmake --build --preset release --target metrolux_command bench_kernels bench_scene
 	bench/run.sh $(BUILD)
 
-# Mitsuba's own render tests, of ../shared/conformance.
-test-conformance: build
-	ctest --preset release -L conformance
+test-conformance: build  ## Mitsuba's own render tests, of ../shared/conformance
+	tools/run_tests.sh release -L conformance
 
-# Each integrator killed ten times and resumed.
-soak-checkpoint: build
-	cmake --build --preset release --target test_cli
+soak-checkpoint: build  ## each integrator killed ten times and resumed
 	METROLUX_KILLS=10 $(BUILD)/tests/test_cli --gtest_filter='*KillTest*'
 
-debug-test: setup
+debug-test: setup  ## all tests with the address and undefined-behavior sanitizers
 	cmake --preset debug
 	cmake --build --preset debug
-	ctest --preset debug
+	tools/run_tests.sh debug
 
-# The unit tests under the thread sanitizer, but for those of a single chain, which one thread runs for minutes there.
+# But for tests of a single chain, which one thread runs for minutes under that sanitizer.
 SERIAL_TESTS := Chain\.|Unbiased|Ragged
-thread-test: setup
+thread-test: setup  ## the unit tests with the thread sanitizer
 	cmake --preset thread
 	cmake --build --preset thread
-	ctest --preset thread -L '^unit/' -E '$(SERIAL_TESTS)'
+	tools/run_tests.sh thread -L '^unit/' -E '$(SERIAL_TESTS)'
 
-# All tests with the address and undefined-behavior sanitizers, and a part of them with the thread sanitizer.
-sanitize: debug-test thread-test
+sanitize: debug-test thread-test  ## debug-test and thread-test
 
-# libFuzzer on each parser, FUZZ_SECONDS each (needs clang).
 FUZZ_SECONDS := 300
 FUZZ_TARGETS := obj ply serialized spectrum image scene checkpoint
-fuzz: setup
+fuzz: setup  ## libFuzzer on each parser, FUZZ_SECONDS each (needs clang)
 	cmake --preset fuzz
 	cmake --build --preset fuzz --target $(FUZZ_TARGETS:%=fuzz_%)
-	for target in $(FUZZ_TARGETS); do fuzz/run.sh $(FUZZ_BUILD) $$target $(FUZZ_SECONDS) || exit 1; done
-FUZZ_BUILD := build-fuzz
+	for target in $(FUZZ_TARGETS); do fuzz/run.sh build-fuzz $$target $(FUZZ_SECONDS) || exit 1; done
 
-# Random scenes through all integrators with the address and undefined-behavior sanitizers.
 SOAK_SECONDS := 1800
-soak: setup
+soak: setup  ## random scenes through all integrators with sanitizers, SOAK_SECONDS long
 	cmake --preset debug
 	cmake --build --preset debug --target metrolux_soak
 	nice -n 10 build-debug/tools/soak/metrolux_soak --seconds $(SOAK_SECONDS) --report soak.json
 
-gallery: build
+gallery: build  ## the pictures of the README
 	tools/gallery.sh
 
-# All integrators on six hard scenes, a minute of processor time each, as web pages in study/: more than an hour.
-study: build
+study: build  ## all integrators on six hard scenes, as web pages in study/: more than an hour
 	tools/study.sh study
 	tools/study_table.py study
 
-# The pictures of docs/reference/integrators.md: two minutes of processor time.
-integrator-pictures: build
+integrator-pictures: build  ## the pictures of docs/reference/integrators.md
 	tools/integrator_pictures.sh
 
-format:
+format:  ## clang-format on all sources
 	git ls-files '*.cpp' '*.h' | xargs clang-format -i
 
-tidy: build
+tidy: build  ## clang-tidy on all sources
 	git ls-files 'src/*.cpp' | xargs clang-tidy -p $(BUILD) --quiet
 
-clean:
+hook:  ## checks format, and tidiness where there is a build, before each commit: tools/pre_commit.sh
+	git config core.hooksPath tools/hooks
+
+clean:  ## removes all build folders
 	rm -rf build build-*
+
+.PHONY: $(shell sed -nE 's/^([a-z-]+):.*/\1/p' Makefile)

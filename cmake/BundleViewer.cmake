@@ -1,4 +1,5 @@
-# Script: bundles SOURCE (web/) in BINARY and writes it to OUTPUT as C++. What goes wrong is said in that file instead.
+# Script: bundles SOURCE (web/) in BINARY with NODE and NPM and writes it to OUTPUT as C++. A problem is
+# described in that file instead.
 cmake_minimum_required(VERSION 3.22)
 
 # Runs a command in BINARY; on failure `problem` is set in the caller.
@@ -59,8 +60,6 @@ const std::string_view kPageProblem = \"${problem}\";
 ")
 endfunction()
 
-find_program(NODE NAMES node nodejs)
-find_program(NPM npm)
 set(problem "")
 if(NOT NODE OR NOT NPM)
   set(problem "node and npm were not there when this program was built")

@@ -26,6 +26,7 @@
 #include "paths.h"
 #include "support/block_statistics.h"
 #include "support/scene_rendering.h"
+#include "support/shared_data.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -150,10 +151,10 @@ class Agreement : public testing::TestWithParam<Case> {};
 
 TEST_P(Agreement, OfPairs) {
     const Case& c = GetParam();
-    const std::filesystem::path root = c.shared ? METROLUX_SHARED_DIR : METROLUX_SOURCE_DIR;
-    const std::filesystem::path file = root / "scenes" / c.file;
-    if (c.shared && !std::filesystem::exists(file))
-        GTEST_SKIP() << file.string() << " is absent: the integrators were not compared in it";
+    const std::filesystem::path scenes =
+        c.shared ? sharedPath("scenes") : std::filesystem::path(METROLUX_SOURCE_DIR) / "scenes";
+    const std::filesystem::path file = scenes / c.file;
+    if (c.shared) METROLUX_NEEDS_SHARED(file);
 
     const CpuTimer timer;
     LoadOptions options;

@@ -15,8 +15,8 @@
 
 #include "image/compare.h"
 #include "image/image_io.h"
-#include "paths.h"
 #include "support/scene_rendering.h"
+#include "support/shared_data.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -68,9 +68,8 @@ class Tungsten : public ::testing::TestWithParam<Case> {};
 
 TEST_P(Tungsten, MeanWithinOnePercent) {
     const auto& [name, integrator, passes, referenceFile, reduction, parameters] = GetParam();
-    const std::filesystem::path shared = std::filesystem::path(METROLUX_SHARED_DIR) / "scenes";
-    if (!std::filesystem::exists(shared / referenceFile))
-        GTEST_SKIP() << "skipped: " << shared / referenceFile << " is absent";
+    const std::filesystem::path shared = test::sharedPath("scenes");
+    METROLUX_NEEDS_SHARED(shared / referenceFile);
     const ImageData reference = reduced(readImage(shared / referenceFile, true), reduction);
     LoadOptions options;
     options.width = reference.width;

@@ -12,6 +12,7 @@
 #include "references.h"
 #include "support/block_statistics.h"
 #include "support/scene_rendering.h"
+#include "support/shared_data.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -22,9 +23,6 @@ namespace metrolux::core {
 namespace {
 
 using namespace test;
-
-constexpr const char* kAbsent =
-    "../shared/conformance is absent: scenes of Mitsuba's tests were not rendered";
 
 std::string parameterName(const std::string& scene) {
     std::string name = scene.substr(scene.find('/') + 1);
@@ -137,9 +135,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Conformance, testing::ValuesIn(conformanceScene
                          [](const auto& parameter) { return parameterName(parameter.param.name); });
 
 TEST(ConformanceData, HasTheScenes) {
-    const auto scenes = conformanceScenes();
-    if (scenes.empty()) GTEST_SKIP() << kAbsent;
-    EXPECT_GE(scenes.size(), 19u);
+    METROLUX_NEEDS_SHARED(sharedPath("conformance"));
+    EXPECT_GE(conformanceScenes().size(), 19u);
 }
 
 }  // namespace

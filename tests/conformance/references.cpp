@@ -2,6 +2,7 @@
 
 #include "image/compare.h"
 #include "paths.h"
+#include "support/shared_data.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +17,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kScenes = fs::path(METROLUX_SHARED_DIR) / "conformance/tests/scenes";
+const fs::path kScenes = sharedPath("conformance/tests/scenes");
 const fs::path kOutput = fs::path(METROLUX_BINARY_DIR) / "conformance";
 
 // ITU-R BT.709 primaries and D65, as sRGB's definition rounds them.

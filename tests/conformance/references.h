@@ -17,7 +17,7 @@ struct ConformanceScene {
 };
 inline void PrintTo(const ConformanceScene& scene, std::ostream* out) { *out << scene.name; }
 
-/// All scenes below METROLUX_SHARED_DIR/conformance that have a reference, sorted by name.
+/// All scenes of ../shared/conformance that have a reference, sorted by name.
 std::vector<ConformanceScene> conformanceScenes();
 
 /// Reference and variance of one sample, both in XYZ.

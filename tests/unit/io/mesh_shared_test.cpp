@@ -1,7 +1,7 @@
 // Every mesh of the shared scenes can be read and is sound.
 #include "base/error.h"
 #include "io/mesh_io.h"
-#include "paths.h"
+#include "support/shared_data.h"
 
 #include <gtest/gtest.h>
 
@@ -12,8 +12,6 @@ namespace metrolux::core {
 namespace {
 
 namespace fs = std::filesystem;
-
-const fs::path kShared = METROLUX_SHARED_DIR;
 
 void checkSound(const TriangleMesh& mesh) {
     EXPECT_GT(mesh.area(), 0);
@@ -30,9 +28,9 @@ void checkSound(const TriangleMesh& mesh) {
 }
 
 TEST(SharedMeshes, AllAreRead) {
-    if (!fs::exists(kShared)) GTEST_SKIP() << kShared << " is absent";
+    METROLUX_NEEDS_SHARED(test::sharedPath(""));
     size_t count = 0;
-    for (const auto& entry : fs::recursive_directory_iterator(kShared)) {
+    for (const auto& entry : fs::recursive_directory_iterator(test::sharedPath(""))) {
         const fs::path& path = entry.path();
         SCOPED_TRACE(path.string());
         std::shared_ptr<TriangleMesh> mesh;
@@ -52,9 +50,10 @@ TEST(SharedMeshes, AllAreRead) {
 
 /// 3 MB are far below half a second; the limit leaves room for slow machines and sanitizers.
 TEST(SharedMeshes, LargeFilesAreReadFast) {
-    const fs::path obj = kShared / "conformance/common/meshes/sphere.obj";
-    const fs::path ply = kShared / "scenes/water-caustic/models/Mesh001.ply";
-    if (!fs::exists(obj) || !fs::exists(ply)) GTEST_SKIP() << kShared << " is absent";
+    const fs::path obj = test::sharedPath("conformance/common/meshes/sphere.obj");
+    const fs::path ply = test::sharedPath("scenes/water-caustic/models/Mesh001.ply");
+    METROLUX_NEEDS_SHARED(obj);
+    METROLUX_NEEDS_SHARED(ply);
     const auto start = std::chrono::steady_clock::now();
     EXPECT_EQ(readObj(obj, {})->primitiveCount(), 32512u);
     EXPECT_EQ(readPly(ply, {})->primitiveCount(), 102938u);
@@ -62,8 +61,9 @@ TEST(SharedMeshes, LargeFilesAreReadFast) {
 }
 
 TEST(SharedMeshes, SphereAttributesHaveMitsubasNames) {
-    const fs::path path = kShared / "conformance/tests/scenes/mesh_attributes/meshes/sphere_attribute.ply";
-    if (!fs::exists(path)) GTEST_SKIP() << path << " is absent";
+    const fs::path path =
+        test::sharedPath("conformance/tests/scenes/mesh_attributes/meshes/sphere_attribute.ply");
+    METROLUX_NEEDS_SHARED(path);
     const auto mesh = readPly(path, {});
     EXPECT_EQ(mesh->attributeChannels("vertex_color"), 3);
     EXPECT_EQ(mesh->attributeChannels("face_color"), 3);

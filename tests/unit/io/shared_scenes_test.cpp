@@ -1,9 +1,9 @@
 /// The scenes of the shared folder parse, with their includes, defaults and references.
 
 #include "io/scene_loader.h"
-#include "paths.h"
 #include "scene/scene.h"
 #include "support.h"
+#include "support/shared_data.h"
 
 #include <algorithm>
 
@@ -15,9 +15,8 @@ namespace fs = std::filesystem;
 /// Fragments are scenes of their own syntactically, but refer to what the including file has.
 std::vector<fs::path> sharedScenes() {
     std::vector<fs::path> files;
-    for (const char* folder : {"/scenes", "/conformance"}) {
-        const fs::path root = std::string(METROLUX_SHARED_DIR) + folder;
-        if (!fs::exists(root)) continue;
+    for (const char* folder : {"scenes", "conformance"}) {
+        const fs::path root = test::sharedPath(folder);
         for (const auto& entry : fs::recursive_directory_iterator(root))
             if (entry.path().extension() == ".xml" && entry.path().parent_path().filename() != "fragments")
                 files.push_back(entry.path());
@@ -27,8 +26,10 @@ std::vector<fs::path> sharedScenes() {
 }
 
 TEST(SharedScenes, Parse) {
+    METROLUX_NEEDS_SHARED(test::sharedPath("scenes"));
+    METROLUX_NEEDS_SHARED(test::sharedPath("conformance"));
     const auto files = sharedScenes();
-    if (files.empty()) GTEST_SKIP() << "no scenes in " << METROLUX_SHARED_DIR;
+    ASSERT_GT(files.size(), 20u);
     for (const fs::path& file : files) {
         SCOPED_TRACE(file.string());
         mitsuba::ParsedScene parsed;
@@ -40,8 +41,10 @@ TEST(SharedScenes, Parse) {
 }
 
 TEST(SharedScenes, Load) {
+    METROLUX_NEEDS_SHARED(test::sharedPath("scenes"));
+    METROLUX_NEEDS_SHARED(test::sharedPath("conformance"));
     const auto files = sharedScenes();
-    if (files.empty()) GTEST_SKIP() << "no scenes in " << METROLUX_SHARED_DIR;
+    ASSERT_GT(files.size(), 20u);
     for (const fs::path& file : files) {
         SCOPED_TRACE(file.string());
         try {
@@ -57,8 +60,8 @@ TEST(SharedScenes, Load) {
 }
 
 TEST(SharedScenes, CornellBoxHasItsParts) {
-    const fs::path file = std::string(METROLUX_SHARED_DIR) + "/scenes/cornell-box/scene.xml";
-    if (!fs::exists(file)) GTEST_SKIP() << "no " << file;
+    const fs::path file = test::sharedPath("scenes/cornell-box/scene.xml");
+    METROLUX_NEEDS_SHARED(file);
     const auto parsed = mitsuba::parseScene(file, {{"max_depth", "7"}});
     EXPECT_EQ(parsed.root->childrenOf("integrator").at(0)->type, "path");
     EXPECT_EQ(parsed.root->childrenOf("integrator").at(0)->integer("max_depth", 0), 7);
@@ -74,8 +77,8 @@ TEST(SharedScenes, CornellBoxHasItsParts) {
 }
 
 TEST(SharedScenes, LeftoversOfOldScenesAreWarnings) {
-    const fs::path file = std::string(METROLUX_SHARED_DIR) + "/scenes/water-caustic/scene.xml";
-    if (!fs::exists(file)) GTEST_SKIP() << "no " << file;
+    const fs::path file = test::sharedPath("scenes/water-caustic/scene.xml");
+    METROLUX_NEEDS_SHARED(file);
     const auto parsed = mitsuba::parseScene(file, {});
     int ignored = 0;
     for (const std::string& warning : parsed.warnings)

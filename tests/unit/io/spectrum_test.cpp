@@ -3,7 +3,7 @@
 
 #include "io/mitsuba/spectrum.h"
 
-#include "paths.h"
+#include "support/shared_data.h"
 
 #include <gtest/gtest.h>
 #include <pugixml.hpp>
@@ -34,11 +34,11 @@ void expectNear(const Rgb& found, const Rgb& expected, float relative) {
 }
 
 TEST(Spectrum, reproducesCboxReflectances) {
-    const std::filesystem::path folder = std::filesystem::path(METROLUX_SHARED_DIR) / "scenes/cbox/fragments";
+    const std::filesystem::path folder = test::sharedPath("scenes/cbox/fragments");
+    METROLUX_NEEDS_SHARED(folder);
     pugi::xml_document spectral, rgb;
-    if (!spectral.load_file((folder / "bsdfs-spectral.xml").c_str()) ||
-        !rgb.load_file((folder / "bsdfs-rgb.xml").c_str()))
-        GTEST_SKIP() << "the shared scenes are not here: " << folder;
+    ASSERT_TRUE(spectral.load_file((folder / "bsdfs-spectral.xml").c_str()));
+    ASSERT_TRUE(rgb.load_file((folder / "bsdfs-rgb.xml").c_str()));
     int compared = 0;
     for (const char* id : {"white", "red", "green", "light"}) {
         SCOPED_TRACE(id);

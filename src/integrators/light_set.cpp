@@ -1,6 +1,7 @@
 #include "integrators/light_set.h"
 
 #include "base/parallel.h"
+#include "markov/replica_schedule.h"
 #include "sampling/streams.h"
 #include "transport/path_pair.h"
 
@@ -42,21 +43,19 @@ void VisibilityLightSet::begin(size_t samples, double radius) {
 }
 
 size_t VisibilityLightSet::stepsOf(size_t lane) const {
-    const size_t n = static_cast<size_t>(mix_.uniform);
-    return n * (lane + 1) / lanes_.size() - n * lane / lanes_.size();
+    return stepsOfLane(static_cast<size_t>(mix_.uniform), lanes_.size(), lane);
 }
 
 void VisibilityLightSet::evaluate(const LightTracing& tracing, const VertexGrid& eyeGrid, SampleStream& u,
                                   Value& value) {
     value.vertices.clear();
     tracing.trace(u, value.vertices);
-    value.visible = std::any_of(value.vertices.begin(), value.vertices.end(),
-                                [&](const Vertex& v) { return eyeGrid.anyWithin(v.si.p); });
+    value.size = std::any_of(value.vertices.begin(), value.vertices.end(),
+                             [&](const Vertex& v) { return eyeGrid.anyWithin(v.si.p); });
 }
 
-void VisibilityLightSet::payOut(State& state, std::vector<Vertex>& result) {
-    if (state.weight > 0) append(result, state.value.vertices, state.weight);
-    state.weight = 0;
+void VisibilityLightSet::Lane::pay(State& state) {
+    state.payOut([&](const Value& value, double weight) { append(result, value.vertices, weight); });
 }
 
 std::vector<Vertex> VisibilityLightSet::make(const LightTracing& tracing, const VertexGrid& eyeGrid) {
@@ -70,7 +69,7 @@ std::vector<Vertex> VisibilityLightSet::make(const LightTracing& tracing, const 
         normalization_.add(static_cast<int>(i), lane.samples);
         lane.samples.clear();
         lane.result.clear();
-        lane.visible.clear();
+        lane.uniform.clear();
     }
     normalization_.endIteration(squaredRadius_);
     if (tracing.photons) tracing.photons->endIteration(mix_.uniform);
@@ -81,58 +80,54 @@ void VisibilityLightSet::takeUniform(Lane& lane, size_t steps, const LightTracin
                                      const VertexGrid& eyeGrid) {
     const auto evaluateHere = [&](SampleStream& u, Value& v) { evaluate(tracing, eyeGrid, u, v); };
     for (size_t step = 0; step < steps; ++step) {
-        State state;
+        State state = lane.uniform.spare();
         uniformSample(evaluateHere, state, lane.rng.nextBits());
         tracing.count(state.value.vertices);
-        lane.samples.addUniform(state.value.visible ? 1 : 0);
-        if (state.value.visible)
-            lane.visible.emplace_back(step, std::move(state));
-        else
-            append(lane.result, state.value.vertices, 1 / mix_.uniform);
+        lane.samples.addUniform(state.value.size);
+        if (!state.value.visible()) {
+            state.weight = 1 / mix_.uniform;
+            lane.pay(state);
+        }
+        lane.uniform.add(std::move(state));
     }
 }
 
 /// Chains start from visible uniform samples of this iteration, with start-up weights (ReplicaMixture).
 void VisibilityLightSet::startChains() {
-    std::vector<const State*> pool;
-    for (const Lane& lane : lanes_)
-        for (const auto& [step, state] : lane.visible) pool.push_back(&state);
-    mix_.visibilityScale = double(pool.size()) / (mix_.uniform * mix_.bVisibility);
-    const double offset = rng_.nextDouble(), lanes = double(lanes_.size());
-    for (size_t i = 0; i < lanes_.size(); ++i) {
-        if (pool.empty()) {  // scale 0: the chains wait for light
-            lanes_[i].chain.state() = {};
-            continue;
-        }
-        const auto at = static_cast<size_t>((double(i) + offset) / lanes * double(pool.size()));
-        lanes_[i].chain.state() = *pool[std::min(at, pool.size() - 1)];
+    ReplicaPool<Value> pool;
+    for (const Lane& lane : lanes_) pool.add(lane.uniform);
+    mix_.visibilityScale = pool.visible() / (mix_.uniform * mix_.bVisibility);
+    const double offset = rng_.nextDouble();
+    if (pool.empty()) {  // scale 0: the chains wait for light
+        for (Lane& lane : lanes_) lane.chain.state() = {};
+        return;
     }
+    const auto starts = pool.draw(lanes_.size(), offset);
+    for (size_t i = 0; i < lanes_.size(); ++i) lanes_[i].chain.state() = *starts[i];
 }
 
 void VisibilityLightSet::runLane(Lane& lane, size_t steps, const LightTracing& tracing,
                                  const VertexGrid& eyeGrid) {
     const auto evaluateHere = [&](SampleStream& u, Value& v) { evaluate(tracing, eyeGrid, u, v); };
     constexpr double kVisible = 1;
-    if (!chainsRun_) {
-        for (auto& [step, state] : lane.visible)
-            append(lane.result, state.value.vertices, mix_.uniformWeight(kVisible));
-        return;
-    }
-    auto next = lane.visible.begin();
     State& state = lane.chain.state();
     for (size_t step = 0; step < steps; ++step) {
-        if (next != lane.visible.end() && next->first == step) {
+        if (State* fresh = lane.uniform.take()) {
+            fresh->weight = mix_.uniformWeight(kVisible);
+            if (!chainsRun_) {
+                lane.pay(*fresh);
+                continue;
+            }
             // Exchange with the uniform replica is certain for a visible sample [HJ11].
-            payOut(state, lane.result);
-            state = std::move((next++)->second);
-            state.weight = mix_.uniformWeight(kVisible);
-        } else if (state.value.visible) {
+            lane.pay(state);
+            std::swap(state, *fresh);
+        } else if (chainsRun_ && state.value.visible()) {
             const double a = lane.chain.propose(evaluateHere, lane.proposal, lane.rng);
-            if (lane.chain.decide(a, lane.proposal, lane.rng)) payOut(lane.proposal, lane.result);
+            if (lane.chain.decide(a, lane.proposal, lane.rng)) lane.pay(lane.proposal);
         }
-        if (state.value.visible) state.weight += mix_.visibilityWeight(kVisible);
+        if (chainsRun_ && state.value.visible()) state.weight += mix_.visibilityWeight(kVisible);
     }
-    payOut(state, lane.result);
+    lane.pay(state);
 }
 
 nlohmann::json VisibilityLightSet::statistics() const {

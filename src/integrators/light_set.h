@@ -2,9 +2,9 @@
 /// Two ways to make the set L of light subpaths that pssmlt_merge merges with (supplement, 4.1.1).
 
 #include "integrators/iteration.h"
-#include "markov/chain.h"
 #include "markov/normalization.h"
 #include "markov/replica_mixture.h"
+#include "markov/replica_pool.h"
 #include "transport/photon_map.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -31,6 +31,13 @@ struct LightTracing {
 /// Method B: half of the light subpaths are uniform, half come from visibility-driven chains with replica
 /// exchange [HJ11]. V(u) = 1 if a vertex lies within the merging radius of an eye vertex of the iteration.
 /// Invisible uniform ones are part of L: other eye subpaths than those may meet them.
+///
+/// It shares chains, queue and pool with ReplicaLanes, but has a driver of its own, because what ReplicaLanes
+/// adds has no place here. L is a set that is complete before anything is merged with it: all uniform samples
+/// of the iteration are traced first and all visible ones are the pool, while ReplicaLanes bounds its pool
+/// and takes the rest between the steps of its chains. An iteration without visible ones needs no states of
+/// earlier iterations: its L is the uniform half, and the chains wait, with weight 0. And there is no
+/// contribution replica, since F is the business of the eye subpaths that merge with L.
 class VisibilityLightSet {
   public:
     VisibilityLightSet(const IntegratorOptions& options, size_t samples);
@@ -54,10 +61,8 @@ class VisibilityLightSet {
   private:
     struct Value {
         std::vector<Vertex> vertices;
-        bool visible = false;
-    };
-    struct VisibilityTarget {
-        double operator()(const Value& v) const { return v.visible ? 1.0 : 0.0; }
+        double size = 0;  ///< V(u)
+        bool visible() const { return size > 0; }
     };
     using State = MarkovState<Value>;
     struct Lane {
@@ -65,10 +70,12 @@ class VisibilityLightSet {
         CounterRng rng;
         MarkovChain<Value, VisibilityTarget> chain;
         State proposal;
-        std::vector<std::pair<size_t, State>> visible;  ///< uniform samples of the iteration, with their step
+        UniformQueue<Value> uniform;
         std::vector<Vertex> result;
         Normalization::Samples samples;
 
+        /// Adds what a state contributes with the weight that it has earned.
+        void pay(State& state);
         template <class Archive>
         void serialize(Archive& archive) {
             archive(rng, chain);
@@ -80,7 +87,6 @@ class VisibilityLightSet {
     void runLane(Lane& lane, size_t steps, const LightTracing& tracing, const VertexGrid& eyeGrid);
     static void evaluate(const LightTracing& tracing, const VertexGrid& eyeGrid, SampleStream& u,
                          Value& value);
-    static void payOut(State& state, std::vector<Vertex>& result);
 
     CounterRng rng_;
     double inefficiency_;

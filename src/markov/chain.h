@@ -16,6 +16,21 @@ struct MarkovState {
     PrimarySample u;
     Value value{};
     double weight = 0;
+
+    /// Calls pay(value, weight) for a weight that is not 0, which is then paid.
+    template <class Pay>
+    void payOut(Pay&& pay) {
+        if (weight > 0) pay(value, weight);
+        weight = 0;
+    }
+};
+
+/// The target of visibility-driven chains [HJ11], of values that have `bool visible() const`.
+struct VisibilityTarget {
+    template <class Value>
+    double operator()(const Value& v) const {
+        return v.visible() ? 1.0 : 0.0;
+    }
 };
 
 /// Evaluates a uniform sample whose coordinates are the numbers of CounterRng(key): the key makes it again.

@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "markov/chain.h"
 #include "markov/replica_mixture.h"
+#include "markov/replica_schedule.h"
 #include "markov/start_pool.h"
 
 namespace metrolux::core {
@@ -19,6 +20,20 @@ struct MetropolisOptions {
     /// Adaptive kernel: mutations of each lane that theta is adapted to, before the chains count. kAlways: no
     /// training, theta adapts for ever.
     uint64_t trainingMutations = 512;
+};
+
+/// What a sampler's chains have done so far.
+struct MetropolisCounts {
+    uint64_t mutationsTried = 0, mutationsAccepted = 0, largeTried = 0, largeAccepted = 0, starts = 0;
+    double theta = 0;  ///< of the adaptive kernel, mean over lanes
+    MetropolisCounts& operator+=(const MetropolisCounts& other) {
+        mutationsTried += other.mutationsTried;
+        mutationsAccepted += other.mutationsAccepted;
+        largeTried += other.largeTried;
+        largeAccepted += other.largeAccepted;
+        starts += other.starts;
+        return *this;
+    }
 };
 
 /// An observer of chains that looks away.
@@ -104,11 +119,7 @@ class MetropolisSampler {
     double steering() const { return steeringDrawn_ > 0 ? steeringSum_ / double(steeringDrawn_) : 0; }
 
     const StartPool& pool() const { return pool_; }
-    struct Counts {
-        uint64_t mutationsTried = 0, mutationsAccepted = 0, largeTried = 0, largeAccepted = 0, starts = 0;
-        double theta = 0;  ///< of the adaptive kernel, mean over lanes
-        Counts& operator+=(const Counts& other);
-    };
+    using Counts = MetropolisCounts;
     Counts counts() const;
 
     size_t lanes() const { return lanes_.size(); }
@@ -198,9 +209,10 @@ class MetropolisSampler {
         parallelFor(visible.size(), [&](size_t chunk) {
             MarkovState<Value> state;
             for (size_t i = chunk * kChunk; i < std::min(count, (chunk + 1) * kChunk); ++i) {
-                const UniformSample sample{hashKey(key, i), evaluated(evaluate, state, hashKey(key, i))};
-                if (!(sample.size > 0)) continue;
-                visible[chunk].push_back(sample);
+                const uint64_t sampleKey = hashKey(key, i);
+                uniformSample(evaluate, state, sampleKey);
+                if (!(state.value.size > 0)) continue;
+                visible[chunk].push_back({sampleKey, state.value.size});
                 use(state.value);
             }
         });
@@ -208,12 +220,6 @@ class MetropolisSampler {
         for (const auto& part : visible) result.insert(result.end(), part.begin(), part.end());
         return result;
     }
-    template <class Evaluate>
-    static double evaluated(Evaluate&& evaluate, MarkovState<Value>& state, uint64_t key) {
-        uniformSample(evaluate, state, key);
-        return state.value.size;
-    }
-
     template <class Evaluate>
     void startChains(Evaluate&& evaluate) {
         ++starts_;
@@ -229,7 +235,7 @@ class MetropolisSampler {
         const size_t n = lanes_.size();
         parallelFor(n, [&](size_t i) {
             const auto observeLane = [&](const auto& state, bool moved) { observe(i, state, moved); };
-            runLane(lanes_[i], steps * (i + 1) / n - steps * i / n, mix, evaluate, pay, observeLane);
+            runLane(lanes_[i], stepsOfLane(steps, n, i), mix, evaluate, pay, observeLane);
         });
         std::vector<UniformSample> fresh;
         size_t drawn = 0;
@@ -246,10 +252,6 @@ class MetropolisSampler {
     void runLane(Lane& lane, size_t steps, const ReplicaMixture& mix, Evaluate&& evaluate, Pay&& pay,
                  Observe&& observe) {
         auto& chain = lane.chain;
-        const auto payOut = [&](MarkovState<Value>& state) {
-            if (state.weight > 0) pay(state.value, state.weight);
-            state.weight = 0;
-        };
         for (size_t step = 0; step < steps; ++step) {
             MarkovState<Value>& proposal = lane.proposal;
             const auto [large, key, a] = propose(lane, options_.largeStep, evaluate);
@@ -263,10 +265,10 @@ class MetropolisSampler {
             const bool accepted = chain.decide(a, proposal, lane.rng, !large);
             lane.largeTried += large;
             lane.largeAccepted += large && accepted;
-            payOut(proposal);  // the one of the two that the chain has left
+            proposal.payOut(pay);  // the one of the two that the chain has left
             observe(chain.state(), accepted);
         }
-        payOut(chain.state());
+        chain.state().payOut(pay);
     }
 
     MetropolisOptions options_;
@@ -277,16 +279,6 @@ class MetropolisSampler {
     size_t steeringDrawn_ = 0, drawnAtStart_ = 0;
     uint64_t starts_ = 0;
 };
-
-template <class Value>
-auto MetropolisSampler<Value>::Counts::operator+=(const Counts& other) -> Counts& {
-    mutationsTried += other.mutationsTried;
-    mutationsAccepted += other.mutationsAccepted;
-    largeTried += other.largeTried;
-    largeAccepted += other.largeAccepted;
-    starts += other.starts;
-    return *this;
-}
 
 template <class Value>
 auto MetropolisSampler<Value>::counts() const -> Counts {

@@ -88,7 +88,7 @@ study: build  ## all integrators on six hard scenes, as web pages in study/: mor
 	tools/study.sh study
 	tools/study_table.py study
 
-integrator-pictures: build  ## the pictures of docs/reference/integrators.md
+integrator-pictures: build  ## the pictures of docs/lab/integrators.md
 	tools/integrator_pictures.sh
 
 format:  ## clang-format on all sources

@@ -14,6 +14,6 @@ cat build/conformance/*.row | awk -F' *[|] *' '
       value[$2, $3] = $4; seconds[$2, $3] = $5; scenes[$2] }
     END {
         for (s in scenes)
-            printf "| %s | %s | %s | %s | %s | %s / %s / %s / %s |\n", s, value[s, "path"], value[s, "bdpt"], value[s, "vcm"],
+            printf "| %s | %s | %s | %s | %s | %s/%s/%s/%s |\n", s, value[s, "path"], value[s, "bdpt"], value[s, "vcm"],
                    value[s, "mcmc_vcm"], seconds[s, "path"], seconds[s, "bdpt"], seconds[s, "vcm"], seconds[s, "mcmc_vcm"]
     }' | sort

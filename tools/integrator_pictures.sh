@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Renders the pictures of docs/reference/integrators.md and prints the errors: `make integrator-pictures`. Every integrator makes as many
+# Renders the pictures of docs/lab/integrators.md and prints the errors: `make integrator-pictures`. Every integrator makes as many
 # passes as take ten seconds of processor time (of the machine that the table below was measured on), so that the
 # pictures are equal-time ones and the same bits everywhere, however busy the machine is.
 #

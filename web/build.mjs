@@ -8,6 +8,9 @@ const here = path.dirname(fileURLToPath(import.meta.url));
 const output = process.argv[2];
 if (!output) throw new Error("usage: node build.mjs OUTPUT.html");
 
+// uPlot's license wants its text in every copy, and its own comments are not of the kind that esbuild keeps.
+const license = await readFile(path.join(here, "node_modules/uplot/LICENSE"), "utf8");
+
 const result = await build({
   entryPoints: [path.join(here, "src/main.js")],
   bundle: true,
@@ -16,6 +19,7 @@ const result = await build({
   target: ["es2022"],
   charset: "ascii",
   legalComments: "inline",
+  banner: { js: `/*! uPlot (https://github.com/leeoniya/uPlot)\n${license.trim()}\n*/` },
   outdir: "bundle",
   write: false,
   logLevel: "warning",

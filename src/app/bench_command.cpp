@@ -18,7 +18,7 @@ constexpr const char* kExamples = R"(Examples:
   metrolux bench scene.xml -i path --resolution 512x512 --threads 2 --json path.json
 
 Renders passes with all threads and with one in turn, and traces the rays of each pass again with nothing around
-them: the ray efficiency is the time of that over the time of the pass. docs/lab/performance.md explains all numbers.)";
+them: the ray efficiency is the time of that over the time of the pass. docs/reference/bench.md explains all numbers.)";
 
 struct BenchArguments {
     RenderArguments render;

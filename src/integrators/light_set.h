@@ -101,7 +101,7 @@ class VisibilityLightSet {
 /// as many uniform ones. The density of the states is not known. It is estimated from the numbers of vertices
 /// of both kinds in the cells of a grid, rho = chain-made / uniform, and a vertex in such a cell weighs 1 /
 /// (n_U + n_A rho). That rho is a constant in a cell, the same for all directions and predecessors, and known
-/// with noise makes it biased (docs/reference/integrators.md).
+/// with noise makes it biased (docs/lab/integrators.md).
 class StateLightSet {
   public:
     /// `cell`: edge of the cells, in scene units.

@@ -1,5 +1,5 @@
 #pragma once
-/// What a renderer's time goes to: `metrolux bench`, docs/lab/performance.md.
+/// What a renderer's time goes to: `metrolux bench`, docs/reference/bench.md.
 
 #include "integrators/integrator.h"
 

@@ -21,7 +21,7 @@
 /// in docs/lab/conformance.md); bias within a block is what the test would report as a disagreement with path
 /// and bdpt. Photon mapping (sppm, vpt), which makes all light by merging, is darker than vcm by 1.0 % +- 0.2
 /// % of the mean of cornell_box with the default radius and by 0.5 % +- 0.3 % with half of it, which a
-/// block's test does not tell (docs/reference/integrators.md).
+/// block's test does not tell (docs/lab/integrators.md).
 
 #include "paths.h"
 #include "support/block_statistics.h"

@@ -19,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kRoot = METROLUX_SOURCE_DIR;
+constexpr size_t kLongestLine = 140;
 
 struct Line {
     std::string file;  ///< relative to kRoot
@@ -55,6 +56,11 @@ std::vector<fs::path> filesIn(const std::vector<std::string>& folders, Wanted&& 
 
 std::vector<fs::path> pages() {
     return filesIn({"docs", "tests", "scenes"}, [](const fs::path& p) { return p.extension() == ".md"; });
+}
+
+/// UTF-8 characters.
+size_t length(const std::string& text) {
+    return size_t(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
 /// The name by which GitHub links a heading: letters, digits, hyphens and underscores, in lower case.
@@ -94,14 +100,23 @@ std::vector<std::string> allMatches(const std::string& text, const std::regex& p
     return found;
 }
 
+TEST(Documents, LinesAreShort) {
+    ASSERT_GT(pages().size(), 10u) << "the pages were not found";
+    for (const fs::path& page : pages())
+        for (const Line& line : linesOf(page))
+            EXPECT_LE(length(line.text), kLongestLine) << line.file << ":" << line.number;
+}
+
 TEST(Documents, LinksLeadSomewhere) {
-    static const std::regex link(R"(\]\(([^)\s]+)\))"), attribute(R"re((?:src|href)="([^"]+)")re");
+    static const std::regex link(R"(\]\(([^)\s]+)\))"), definition(R"(^\[[^\]]+\]: *(\S+))"),
+        attribute(R"re((?:src|href)="([^"]+)")re");
     size_t links = 0;
     for (const fs::path& page : pages())
         for (const Line& line : linesOf(page)) {
             if (line.code) continue;
             std::vector<std::string> targets = allMatches(line.text, link);
-            for (const std::string& target : allMatches(line.text, attribute)) targets.push_back(target);
+            for (const std::regex* other : {&definition, &attribute})
+                for (const std::string& target : allMatches(line.text, *other)) targets.push_back(target);
             for (const std::string& target : targets) {
                 if (target.find(':') != std::string::npos) continue;  // http:, mailto:
                 ++links;
@@ -149,6 +164,29 @@ TEST(Documents, CitedPagesExist) {
                     << heading << " ...\"";
             }
     EXPECT_GT(citations, 20u);
+}
+
+/// Text of the first match, which must exist.
+std::string found(const fs::path& file, const std::regex& pattern) {
+    for (const Line& line : linesOf(file)) {
+        std::smatch match;
+        if (std::regex_search(line.text, match, pattern)) return match[1];
+    }
+    ADD_FAILURE() << file << " lacks what is looked for";
+    return "";
+}
+
+TEST(Documents, VersionsAgree) {
+    const fs::path changes = kRoot / "CHANGELOG.md", citation = kRoot / "CITATION.cff";
+    EXPECT_EQ(found(citation, std::regex("^version: (.*)")), found(changes, std::regex(R"(^## (\S+) \(\d)")))
+        << "the last release";
+    EXPECT_EQ(found(citation, std::regex("^date-released: \"(.*)\"")),
+              found(changes, std::regex(R"(^## \S+ \((\d[^)]*)\))")));
+    const std::string heading = std::string("## ") + METROLUX_TEST_VERSION + " (";
+    const auto lines = linesOf(changes);
+    EXPECT_TRUE(std::any_of(lines.begin(), lines.end(),
+                            [&](const Line& line) { return line.text.starts_with(heading); }))
+        << "CHANGELOG.md says nothing of " << METROLUX_TEST_VERSION << ", the version of CMakeLists.txt";
 }
 
 TEST(Documents, AnchorsAreThoseOfGitHub) {

@@ -28,10 +28,11 @@ class SceneBuilder {
         parts_.shapes.push_back(shape);
         return shape;
     }
-    void emit(const ShapePtr& shape, const Rgb& radiance) {
+    void emit(const ShapePtr& shape, const Rgb& radiance) { emit(shape, constant(radiance)); }
+    void emit(const ShapePtr& shape, TexturePtr radiance) {
         AreaLightParameters p;
         p.shape = shape.get();
-        p.radiance = constant(radiance);
+        p.radiance = std::move(radiance);
         LightPtr light = makeAreaLight(p);
         shape->emitter = light;
         parts_.lights.push_back(light);
@@ -49,6 +50,7 @@ class SceneBuilder {
         p.fov = fov;
         parts_.camera = makePerspectiveCamera(p, window);
     }
+    void camera(CameraPtr camera) { parts_.camera = std::move(camera); }
     PathLimits& limits() { return parts_.limits; }
     std::shared_ptr<Scene> build() { return std::make_shared<Scene>(std::move(parts_)); }
 

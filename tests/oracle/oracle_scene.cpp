@@ -1,0 +1,234 @@
+#include "oracle/oracle_scene.h"
+
+#include "base/warp.h"
+#include "scattering/blend.h"
+#include "scattering/conductor.h"
+#include "scattering/mask.h"
+#include "scattering/plastic.h"
+#include "scattering/textures/bitmap_texture.h"
+#include "support/small_scenes.h"
+
+namespace metrolux::core::test {
+
+namespace {
+
+BsdfPtr glass() {
+    DielectricParameters p;
+    p.eta = kGlassEta;
+    return makeDielectric(p);
+}
+
+BsdfPtr roughMetal() {
+    RoughConductorParameters p;
+    p.alphaU = p.alphaV = constant(Rgb(0.5f));
+    return makeRoughConductor(p);
+}
+
+BsdfPtr plastic() {
+    PlasticParameters p;
+    p.eta = kGlassEta;
+    p.diffuseReflectance = constant(Rgb(0.6f));
+    return makePlastic(p);
+}
+
+BsdfPtr blend(float weight, BsdfPtr first, BsdfPtr second) {
+    return makeBlend({constant(Rgb(weight)), std::move(first), std::move(second)});
+}
+
+/// A rectangle whose shading normal leans toward `lean` by a quarter of a right angle or so.
+ShapePtr leaning(const Vec3f& center, const Vec3f& normal, float a, float b, const Vec3f& lean) {
+    const Frame f = Frame::fromNormal(normalize(normal));
+    auto mesh = std::make_shared<TriangleMesh>();
+    for (const auto& [u, v] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
+        mesh->positions.push_back(center + f.s * (a * static_cast<float>(u)) +
+                                  f.t * (b * static_cast<float>(v)));
+        mesh->normals.push_back(normalize(f.n + lean * 0.35f));
+    }
+    mesh->indices = {0, 1, 2, 0, 2, 3};
+    mesh->finalize();
+    return mesh;
+}
+
+/// 4 x 3 texels of different brightness, none of them black.
+TexturePtr picture() {
+    BitmapTextureParameters p;
+    p.width = 4;
+    p.height = 3;
+    p.channels = 1;
+    p.pixels = std::make_shared<const std::vector<float>>(
+        std::vector<float>{0.2f, 0.9f, 0.4f, 0.6f, 1.0f, 0.3f, 0.7f, 0.5f, 0.8f, 0.1f, 0.6f, 0.4f});
+    p.filter = BitmapTextureParameters::Filter::Nearest;
+    return makeBitmapTexture(p);
+}
+
+BsdfPtr veil() {
+    MaskParameters p;
+    p.opacity = constant(Rgb(0.6f));
+    p.nested = diffuse(0.8f);
+    return makeMask(p);
+}
+
+void addSurfaces(SceneBuilder& b, Materials materials, const BsdfPtr& veil) {
+    const bool mixed = materials == Materials::Mixed, shading = materials == Materials::Shading;
+    const BsdfPtr floor = mixed ? plastic() : diffuse(0.7f);
+    if (shading)
+        b.add(leaning({0, 0, 0}, {0, 1, 0}, 4, 4, {1, 0, 0}), floor);
+    else
+        b.add(rectangle({0, 0, 0}, {0, 1, 0}, 4, 4), floor);
+    b.add(rectangle({0, 2, -3}, {0, 0, 1}, 4, 3),
+          mixed ? blend(0.4f, makeConductor({}), roughMetal()) : roughMetal());
+    b.add(makeSphere(Transform(), {0.3f, 1.2f, 0}, 0.6f, false),
+          mixed ? blend(0.3f, glass(), diffuse(0.8f)) : glass());
+    // Water above a part of the floor: an odd number of refractions, so that wrong factors do not cancel.
+    if (shading)
+        b.add(leaning({3, 0.4f, 0}, {0, 1, 0}, 2, 4, {0, 0, 1}), glass());
+    else
+        b.add(rectangle({3, 0.4f, 0}, {0, 1, 0}, 2, 4), glass());
+    b.add(makeSphere(Transform(), {-1.2f, 0.6f, 0.5f}, 0.5f, false), diffuse(0.5f));
+    if (mixed) b.add(rectangle({-1.5f, 1.5f, 1.8f}, {0, 0, 1}, 0.8f, 1.2f), veil);
+}
+
+Transform downward(const Vec3f& from) { return Transform::lookAt(from, {0.3f, 0, 0.3f}, {0, 0, 1}); }
+
+LightPtr pointLight(const Vec3f& position) {
+    PointLightParameters p;
+    p.position = position;
+    return makePointLight(p);
+}
+
+void addLight(SceneBuilder& b, Lighting lighting) {
+    switch (lighting) {
+        case Lighting::Area:
+            b.emit(b.add(rectangle({0.5f, 3, 0}, {0, -1, 0}, 0.7f, 0.5f), diffuse(0.3f)), Rgb(5));
+            break;
+        case Lighting::SphereArea:
+            b.emit(b.add(makeSphere(Transform(), {0.5f, 3, 0}, 0.5f, false), diffuse(0.3f)), Rgb(5));
+            break;
+        case Lighting::TexturedArea: {
+            const ShapePtr shape =
+                b.add(rectangle({-0.8f, 3, 0.4f}, {0.1f, -1, 0}, 0.6f, 0.4f), diffuse(0.3f));
+            b.emit(shape, picture());
+            break;
+        }
+        case Lighting::Point:
+            b.light(pointLight({0.5f, 3, 0.2f}));
+            break;
+        case Lighting::Spot: {
+            SpotLightParameters p;
+            p.toWorld = downward({1.5f, 3.5f, 1});
+            p.intensity = Rgb(8);
+            p.cutoffAngle = 50;
+            p.beamWidth = 30;
+            b.light(makeSpotLight(p));
+            break;
+        }
+        case Lighting::Projector: {
+            ProjectorParameters p;
+            p.toWorld = downward({-1, 3.2f, 1.5f});
+            p.irradiance = picture();
+            p.tanHalfFovX = 0.8f;
+            p.aspect = 1.4f;
+            p.scale = 3;
+            b.light(makeProjector(p));
+            break;
+        }
+        case Lighting::Collimated: {
+            CollimatedLightParameters p;
+            p.toWorld = downward({-0.3f, 3, 1.7f});
+            p.power = Rgb(10);
+            b.light(makeCollimatedLight(p));
+            break;
+        }
+        case Lighting::Directional: {
+            DirectionalLightParameters p;
+            p.direction = normalize(Vec3f(0.2f, -1, -0.1f));
+            b.light(makeDirectionalLight(p));
+            break;
+        }
+        case Lighting::Constant:
+            b.light(makeConstantLight({}));
+            break;
+        case Lighting::EnvironmentMap: {
+            EnvironmentMapParameters p;
+            p.width = 8;
+            p.height = 5;
+            for (int i = 0; i < p.width * p.height; ++i)
+                p.pixels.push_back(Rgb(0.005f * (0.3f + static_cast<float>(i * 7 % 11))));
+            b.light(makeEnvironmentMap(std::move(p)));
+            break;
+        }
+        case Lighting::SunSky: {
+            SunSkyParameters p;
+            p.up = {0, 1, 0};
+            p.sunDirection = normalize(Vec3f(0.4f, 1, 0.5f));
+            p.sunAperture = 20;
+            p.sunProfile = {Rgb(3), Rgb(1)};
+            b.light(makeSunSky(p));
+            break;
+        }
+        case Lighting::Many:
+            for (const Lighting one : {Lighting::Area, Lighting::TexturedArea, Lighting::Spot,
+                                       Lighting::Projector, Lighting::Collimated})
+                addLight(b, one);
+            b.light(pointLight({1.2f, 2.5f, 1}));
+            b.emit(b.add(makeSphere(Transform(), {-2.5f, 2, -1}, 0.3f, false), diffuse(0.3f)), Rgb(3));
+            break;
+        case Lighting::ManyAndEnvironment:
+            for (const Lighting one : {Lighting::Many, Lighting::Directional, Lighting::EnvironmentMap})
+                addLight(b, one);
+            break;
+    }
+}
+
+}  // namespace
+
+Vec3f OracleLens::point(const Vec2f& uLens) const {
+    if (!(radius > 0)) return origin;
+    const Vec2f onDisk = warp::squareToDisk(uLens) * static_cast<float>(radius);
+    return origin + x * onDisk.x + y * onDisk.y;
+}
+
+OracleScene makeOracleScene(Lighting lighting, Lens lens, Materials materials) {
+    OracleScene result;
+    result.veil = veil();
+    SceneBuilder b;
+    addSurfaces(b, materials, result.veil);
+    addLight(b, lighting);
+    const Vec3f origin{0, 1.5f, 5}, target{0, 1, 0};
+    FilmWindow window;
+    window.fullWidth = window.width = kImageWidth;
+    window.fullHeight = window.height = kImageHeight;
+    constexpr double kShape = double(kImageHeight) / kImageWidth;
+    result.lens.origin = origin;
+    result.lens.axis = normalize(target - origin);
+    result.lens.x = normalize(cross(Vec3f(0, 1, 0), result.lens.axis));
+    result.lens.y = cross(result.lens.axis, result.lens.x);
+    if (lens == Lens::Orthographic) {
+        constexpr float kHalfWidth = 2.2f;
+        OrthographicParameters p;
+        p.toWorld =
+            Transform::lookAt(origin, target, {0, 1, 0}) * Transform::scale({kHalfWidth, kHalfWidth, 1});
+        b.camera(makeOrthographicCamera(p, window));
+        result.lens.isOrthographic = true;
+        result.lens.imageArea = 4.0 * kHalfWidth * kHalfWidth * kShape;
+    } else {
+        constexpr float kFov = 50;
+        PerspectiveParameters p;
+        p.toWorld = Transform::lookAt(origin, target, {0, 1, 0});
+        p.fov = kFov;
+        if (lens == Lens::Thin) {
+            p.apertureRadius = 0.25f;
+            p.focusDistance = 4;
+            result.lens.radius = double(p.apertureRadius);
+        }
+        b.camera(makePerspectiveCamera(p, window));
+        const double halfWidth = std::tan(0.5 * double(kFov) * std::numbers::pi / 180);
+        result.lens.imageArea = 4 * halfWidth * halfWidth * kShape;
+    }
+    b.limits().maxDepth = 9;
+    b.limits().rouletteDepth = 100;
+    result.scene = b.build();
+    return result;
+}
+
+}  // namespace metrolux::core::test

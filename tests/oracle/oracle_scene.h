@@ -1,0 +1,62 @@
+#pragma once
+/// Small scenes in which all techniques meet: lights of every kind, alone and together, three cameras,
+/// materials with and without delta lobes.
+
+#include "scene/scene.h"
+
+#include <memory>
+
+namespace metrolux::core::test {
+
+inline constexpr float kGlassEta = 1.5f;
+inline constexpr int kImageWidth = 32, kImageHeight = 24;
+
+enum class Lighting {
+    Area,
+    SphereArea,
+    TexturedArea,
+    Point,
+    Spot,
+    Projector,
+    Collimated,
+    Directional,
+    Constant,
+    EnvironmentMap,
+    SunSky,
+    Many,               ///< with a place: all are in the light tree
+    ManyAndEnvironment  ///< a light tree, a directional light and an environment
+};
+enum class Lens { Pinhole, Thin, Orthographic };
+enum class Materials {
+    Plain,   ///< each either delta or not
+    Mixed,   ///< smooth coats, blends and masks: delta and other lobes at one point
+    Shading  ///< shading normals other than the geometric ones
+};
+
+/// The camera, described once more: its densities are computed here from its parameters.
+struct OracleLens {
+    bool isOrthographic = false;
+    Vec3f origin{0.0f}, x{0.0f}, y{0.0f}, axis{0.0f};
+    double radius = 0;     ///< of the lens
+    double imageArea = 1;  ///< of the image on the plane at distance 1; orthographic: in the world
+
+    /// A point of the lens; all of an orthographic camera's rays are parallel to `axis` instead.
+    Vec3f point(const Vec2f& uLens) const;
+    /// Per solid angle, of the direction `w` into the scene, over the whole image.
+    double pdfDirection(const Vec3f& w) const {
+        const double cosine = double(dot(w, axis));
+        return 1 / (imageArea * cosine * cosine * cosine);
+    }
+    /// Per area perpendicular to the axis.
+    double pdfPosition() const { return 1 / imageArea; }
+};
+
+struct OracleScene {
+    std::shared_ptr<Scene> scene;
+    OracleLens lens;
+    BsdfPtr veil;  ///< the one that lets light pass straight on; others refract
+};
+
+OracleScene makeOracleScene(Lighting lighting, Lens lens, Materials materials);
+
+}  // namespace metrolux::core::test

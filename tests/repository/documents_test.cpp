@@ -134,6 +134,23 @@ TEST(Documents, LinksLeadSomewhere) {
     EXPECT_GT(links, 30u);
 }
 
+/// [text][name] needs a line "[name]: target".
+TEST(Documents, NamedLinksAreDefined) {
+    static const std::regex use(R"(\]\[([^\]]+)\])"), definition(R"(^\[([^\]]+)\]: *\S+$)");
+    for (const fs::path& page : pages()) {
+        const auto lines = linesOf(page);
+        std::set<std::string> defined;
+        for (const Line& line : lines)
+            for (const std::string& name : allMatches(line.text, definition)) defined.insert(name);
+        for (const Line& line : lines) {
+            if (line.code) continue;
+            for (const std::string& name : allMatches(line.text, use))
+                EXPECT_TRUE(defined.contains(name))
+                    << line.file << ":" << line.number << ": no line [" << name << "]: ...";
+        }
+    }
+}
+
 /// Comments, messages and scripts cite pages by their path from the root, and sections by their number.
 TEST(Documents, CitedPagesExist) {
     static const std::regex citation(R"(\bdocs/[\w./-]+\.md(?:,? section \d+)?)");

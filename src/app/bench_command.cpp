@@ -51,7 +51,7 @@ int bench(BenchArguments& a) {
                      {"time", study::timestamp()}};
     j["passes"] = study::measurePasses(scene, a.speed);
     j["techniques"] = study::measureTechniques(scene, a.speed);
-    if (!a.json.empty()) writeTextFile(a.json, j.dump(2) + "\n");
+    if (!a.json.empty()) writeFile(a.json, j.dump(2) + "\n");
     fmt::print("{}, {}, {}x{} pixels; loaded in {:.2f} s, built in {:.2f} s\n{}", r.scene, a.speed.integrator,
                scene.camera().window().width, scene.camera().window().height, read, build,
                study::speedTable(j["passes"], j["techniques"]));

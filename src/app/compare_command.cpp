@@ -1,9 +1,13 @@
 #include "app/commands.h"
 #include "app/validators.h"
+#include "base/error.h"
+#include "image/atomic_file.h"
 #include "image/compare.h"
+#include "render/output.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <spdlog/spdlog.h>
 
 namespace metrolux::core::app {
 namespace {
@@ -21,6 +25,7 @@ All means are over pixels and color channels. Integer formats such as PNG are de
 
 struct CompareArguments {
     std::string image, reference, heatMap;
+    bool overwrite = false;
     double epsilon = kRelMseEpsilon;
     bool json = false;
 };
@@ -54,13 +59,26 @@ void printTable(const ImageDifference& d) {
 }
 
 int compare(const CompareArguments& a) {
+    if (!a.heatMap.empty()) {
+        const OutputSet checked({a.heatMap}, {}, a.overwrite);
+        checkDistinct(std::vector<NamedOutput>{{fmt::format("--heatmap '{}'", a.heatMap), a.heatMap}},
+                      std::vector<std::filesystem::path>{a.image, a.reference});
+    }
     const ImageData image = readImage(a.image, false), reference = readImage(a.reference, false);
     const ImageDifference difference = compareImages(image, reference, a.epsilon);
-    if (!a.heatMap.empty()) writePngRaw(a.heatMap, errorHeatMap(image, reference, a.epsilon));
     if (a.json)
         printJson(difference);
     else
         printTable(difference);
+    if (a.heatMap.empty()) return kDone;
+    const std::string map = encodePngRaw(errorHeatMap(image, reference, a.epsilon),
+                                         {{"Software", std::string("Metrolux ") + METROLUX_VERSION}});
+    try {
+        writeFile(a.heatMap, map);
+    } catch (const Error& error) {
+        spdlog::error("{}", error.what());
+        return kOutputLost;
+    }
     return kDone;
 }
 
@@ -76,6 +94,8 @@ Run addCompareCommand(CLI::App& parent) {
            "--heatmap", a->heatMap,
            "PNG of the relative error of each pixel:\nblack 0.001, blue, violet, orange, yellow, white 1")
         ->option_text("FILE");
+    app->add_flag("--overwrite", a->overwrite,
+                  "Replace an existing image that Metrolux has not written, too");
     app->add_option("--epsilon", a->epsilon,
                     "Of relMSE: keeps black pixels from counting without limit (default: 0.01)")
         ->option_text("X")

@@ -116,7 +116,7 @@ int main(int argc, char** argv) {
         return kUserError;
     } catch (const std::bad_alloc&) {
         fmt::print(stderr, "metrolux: out of memory; try a lower --resolution or --memory\n");
-        return kInternalError;
+        return kUserError;
     } catch (const std::exception& error) {
         fmt::print(stderr, "metrolux: internal error: {}\n", error.what());
         return kInternalError;

@@ -67,7 +67,8 @@ int merge(MergeArguments& a) {
     if (const std::vector<uint32_t> missing = merger.missing(); !missing.empty())
         spdlog::warn("{} of {} streams are missing: {}", missing.size(),
                      merger.identity()["streams"].get<uint32_t>(), fmt::join(missing, ", "));
-    const OutputSet outputs(options.session.outputs, options.session.display);
+    checkDistinct(namedOutputs(options), std::vector<std::filesystem::path>(a.parts.begin(), a.parts.end()));
+    const OutputSet outputs(options.session.outputs, options.session.display, options.session.overwrite);
     SessionResult result;
     result.reason = StopReason::Passes;
     result.passes = merger.film().passes();

@@ -36,7 +36,8 @@ double takeTimeUnit(std::string_view& rest) {
 
 }  // namespace
 
-double parseDuration(const std::string& text) {
+double parseInterval(const std::string& text) {
+    constexpr double kLongest = 100 * 365.25 * 86400;
     std::string_view rest = text;
     double seconds = 0;
     do {
@@ -47,8 +48,24 @@ double parseDuration(const std::string& text) {
         if (unit == 0) throw Error("'{}' is not a time: the units are s, m and h", text);
         seconds += number * unit;
     } while (!rest.empty());
+    if (!(seconds <= kLongest)) throw Error("'{}' is longer than a hundred years", text);
+    return seconds;
+}
+
+double parseDuration(const std::string& text) {
+    const double seconds = parseInterval(text);
     if (!(seconds > 0)) throw Error("'{}' is not a time to render for: it must be longer than zero", text);
     return seconds;
+}
+
+double parseRelativeError(const std::string& text) {
+    std::string_view rest = text;
+    double error = 0;
+    const bool isNumber = takeNumber(rest, error) && std::isfinite(error) && error > 0;
+    if (isNumber && takeSeparator(rest, '%')) error /= 100;
+    if (!isNumber || !rest.empty())
+        throw Error("--error {}: expected a number above zero such as 0.02 or 2%", text);
+    return error;
 }
 
 size_t parseMemory(const std::string& text) {

@@ -9,8 +9,12 @@
 
 namespace metrolux::core::app {
 
-/// "90", "60s", "5m", "1.5h", "1h30m": seconds, positive.
+/// "90", "60s", "5m", "1.5h", "1h30m": seconds, positive and at most a hundred years.
 double parseDuration(const std::string& text);
+/// The same, or "0": seconds between two events, 0 for never.
+double parseInterval(const std::string& text);
+/// "0.02", "2%": a relative error, positive.
+double parseRelativeError(const std::string& text);
 /// "4G", "512M", "1000000": bytes, powers of 1024.
 size_t parseMemory(const std::string& text);
 

@@ -44,7 +44,7 @@ int conclude(const SessionResult& result, const RenderArguments& a) {
         spdlog::error("the image is in {} instead", file.string());
     if (!a.stats.empty()) {
         try {
-            writeTextFile(a.stats, result.statistics.dump(2) + "\n");
+            writeFile(a.stats, result.statistics.dump(2) + "\n");
         } catch (const Error& error) {
             spdlog::error("{}", error.what());
             lost = true;
@@ -60,7 +60,15 @@ int conclude(const SessionResult& result, const RenderArguments& a) {
         return kInterrupted;
     }
     for (const std::string& file : a.outputs) spdlog::info("wrote {}", file);
-    return result.reason == StopReason::Interrupted ? kInterrupted : kDone;
+    if (result.reason != StopReason::Interrupted) return kDone;
+    const fs::path& checkpoint = a.session.checkpoint.file;
+    if (checkpoint.empty())
+        spdlog::info("interrupted after {} passes; with --checkpoint FILE `metrolux resume FILE` could go on",
+                     result.passes);
+    else
+        spdlog::info("interrupted after {} passes; `metrolux resume {}` goes on", result.passes,
+                     checkpoint.string());
+    return kInterrupted;
 }
 
 namespace {
@@ -82,6 +90,7 @@ int renderOn(Team* team, RenderArguments& a, std::optional<Checkpoint> before) {
     return limit.execute([&] {
         std::vector<fs::path> files;
         SceneParts parts = loadSceneParts(a.scene, a, &files);
+        if (a.session.rank == 0) checkDistinct(namedOutputs(a), files);
         for (const std::string& warning : parts.warnings) spdlog::warn("{}", warning);
         const Scene scene(std::move(parts));
         PathLimits& limits = a.session.integratorOptions.limits;

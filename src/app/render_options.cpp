@@ -15,9 +15,8 @@ namespace fs = std::filesystem;
 void addOutputOptions(CLI::App& app, RenderArguments& a) {
     const char* const group = "Output";
     app.add_option("-o,--output", a.outputs,
-                   "Image to write, .exr or .png; may be given more than once\n(default: name of the scene "
-                   "with .exr, in "
-                   "the current folder)")
+                   "Image to write, .exr or .png; may be given more than once (default: the scene's name\n"
+                   "with .exr, or its folder's if that is scene.xml, in the current folder)")
         ->option_text("FILE")
         ->allow_extra_args(false)
         ->group(group);
@@ -36,6 +35,9 @@ void addOutputOptions(CLI::App& app, RenderArguments& a) {
         ->allow_extra_args(false)
         ->group(group);
     app.add_option("--stats", a.stats, "JSON file for statistics")->option_text("FILE")->group(group);
+    app.add_flag("--overwrite", a.session.overwrite,
+                 "Replace existing images that Metrolux has not written, too")
+        ->group(group);
     app.add_flag("--quiet", a.quiet, "Show errors and warnings only")->group(group);
 }
 
@@ -48,10 +50,8 @@ void addLimitOptions(CLI::App& app, RenderArguments& a) {
         ->option_text("N")
         ->check(wholeNumber<uint32_t>(1, std::numeric_limits<uint32_t>::max()))
         ->group(group);
-    app.add_option("--error", a.session.limits.relativeError,
-                   "Estimated relative error of the image (root mean square; 0.02 is 2 %)")
+    app.add_option("--error", a.error, "Estimated relative error of the image (root mean square): 0.02 or 2%")
         ->option_text("X")
-        ->check(realNumber(false))
         ->group(group);
 }
 
@@ -88,10 +88,9 @@ void addRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("scene", a.scene, "Mitsuba scene: XML of version 3.x, 2.x, 0.6 or 0.5")->required();
     addSceneOptions(app, a);
     addOutputOptions(app, a);
-    app.add_option("--save-every", a.session.saveEvery,
-                   "Seconds between saves of the image so far (default: 60; 0: only at the end)")
-        ->option_text("SECONDS")
-        ->check(realNumber(true))
+    app.add_option("--save-every", a.saveEvery,
+                   "Time between saves of the image so far: 90s, 5m (default: 60s; 0: only at the end)")
+        ->option_text("TIME")
         ->group("Output");
     addLimitOptions(app, a);
     addCheckpointOptions(app, a);
@@ -319,7 +318,7 @@ void prepareOutputs(RenderArguments& a) {
     for (const std::string& name : a.aovs) session.aovs.push_back(aovFromName(name));
     if (session.rank > 0) return;  // rank 0 writes
     session.outputs.assign(a.outputs.begin(), a.outputs.end());
-    const OutputSet checked(session.outputs, session.display);
+    const OutputSet checked(session.outputs, session.display, session.overwrite);
     if (!a.stats.empty()) checkWritable(a.stats);
 }
 
@@ -360,15 +359,35 @@ void prepareStreams(RenderArguments& a) {
 
 }  // namespace
 
+std::string sceneName(const fs::path& scene) {
+    const fs::path file = fs::absolute(scene).lexically_normal();
+    const std::string stem = file.stem().string();
+    return stem == "scene" && file.parent_path().has_filename() ? file.parent_path().filename().string()
+                                                                : stem;
+}
+
+std::vector<NamedOutput> namedOutputs(const RenderArguments& a) {
+    std::vector<NamedOutput> result;
+    for (const std::string& file : a.outputs) result.push_back({fmt::format("output '{}'", file), file});
+    if (!a.stats.empty()) result.push_back({fmt::format("--stats '{}'", a.stats), a.stats});
+    const fs::path& checkpoint = a.session.checkpoint.file;
+    if (checkpoint.empty()) return result;
+    result.push_back({fmt::format("--checkpoint '{}'", checkpoint.string()), checkpoint});
+    const fs::path previous = previousCheckpoint(checkpoint);
+    result.push_back({fmt::format("the checkpoint before the last, '{}',", previous.string()), previous});
+    return result;
+}
+
 void prepareRender(RenderArguments& a) {
     SessionOptions& session = a.session;
     session.version = METROLUX_VERSION;
     if (!a.time.empty()) session.limits.seconds = parseDuration(a.time);
+    if (!a.error.empty()) session.limits.relativeError = parseRelativeError(a.error);
+    if (!a.saveEvery.empty()) session.saveEvery = parseInterval(a.saveEvery);
     if (!session.limits.any()) session.limits.seconds = 60;
     prepareAlgorithm(a);
     prepareStreams(a);
-    if (a.outputs.empty() && a.onlyStreams.empty())
-        a.outputs.push_back(fs::path(a.scene).stem().string() + ".exr");
+    if (a.outputs.empty() && a.onlyStreams.empty()) a.outputs.push_back(sceneName(a.scene) + ".exr");
     prepareOutputs(a);
     prepareCheckpoints(a);
 }

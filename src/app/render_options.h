@@ -11,7 +11,8 @@
 namespace metrolux::core::app {
 
 struct RenderArguments {
-    std::string scene, time, memory, sceneMemory, resolution, crop, stats, filter, kernel, split;
+    std::string scene, time, error, saveEvery, memory, sceneMemory, resolution, crop, stats, filter, kernel,
+        split;
     std::string curve = "srgb", method = "B", target = "luminance", normalization = "pooled", theta = "lane";
     std::string checkpointEvery, onlyStreams;
     uint32_t streams = 0;  ///< 0: not divided
@@ -47,6 +48,10 @@ void prepareAlgorithm(RenderArguments& a);
 void warnOfUnusedOptions(const RenderArguments& a, const std::string& integrator);
 /// Checks what is named for output, before anything expensive begins. Throws Error.
 void prepareOutputs(RenderArguments& a);
+/// What a scene is called: its file's name, or its folder's if the file is `scene.xml`, as in collections.
+std::string sceneName(const std::filesystem::path& scene);
+/// All files that are to be written.
+std::vector<NamedOutput> namedOutputs(const RenderArguments& a);
 /// All of it for `render`: values and outputs, before anything expensive begins. Throws Error.
 void prepareRender(RenderArguments& a);
 /// Reads a scene with the options for it. Throws Error.

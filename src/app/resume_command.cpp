@@ -62,7 +62,9 @@ RenderArguments argumentsOf(const Checkpoint& checkpoint, const ResumeArguments&
     result.quiet = a.overrides.quiet;
     RenderLimits limits = a.overrides.session.limits;
     if (!a.overrides.time.empty()) limits.seconds = parseDuration(a.overrides.time);
+    if (!a.overrides.error.empty()) limits.relativeError = parseRelativeError(a.overrides.error);
     result.time.clear();
+    result.error.clear();
     result.session.limits = limits.any() ? limits : checkpoint.limits;
     if (!a.overrides.checkpointEvery.empty()) result.checkpointEvery = a.overrides.checkpointEvery;
     return result;

@@ -166,12 +166,8 @@ void checkReferenceOptions(const StudyArguments& a) {
 std::vector<std::string> folderNames(const std::vector<std::string>& scenes) {
     std::vector<std::string> names;
     for (const std::string& scene : scenes) {
-        const fs::path file = fs::absolute(scene).lexically_normal();
-        const std::string stem = file.stem().string();
-        std::string name = stem == "scene" && file.parent_path().has_filename()
-                               ? file.parent_path().filename().string()
-                               : stem;
-        const std::string base = name;
+        const std::string base = sceneName(scene);
+        std::string name = base;
         for (int i = 2; std::find(names.begin(), names.end(), name) != names.end(); ++i)
             name = fmt::format("{}-{}", base, i);
         names.push_back(name);

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "image/atomic_file.h"
 
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <array>
@@ -162,27 +163,32 @@ void setMetadata(OIIO::ImageSpec& spec, const Metadata& metadata) {
     }
 }
 
-void writeThrough(const fs::path& file, const char* format, const OIIO::ImageSpec& spec,
-                  const OIIO::TypeDesc& type, const void* pixels) {
-    AtomicFile target(file);
+/// The bytes of a file. The libraries do not report every failure of a disk, so they never see one.
+std::string encode(const char* format, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type,
+                   const void* pixels) {
     auto output = OIIO::ImageOutput::create(format);
-    if (!output) throw Error("cannot write '{}': {}", file.string(), OIIO::geterror());
-    if (!output->open(target.temporary().string(), spec) || !output->write_image(type, pixels) ||
+    if (!output) throw Error("cannot write {}: {}", format, OIIO::geterror());
+    OIIO::Filesystem::IOVecOutput memory;
+    const std::string name = fmt::format("image.{}", format);
+    if (!output->set_ioproxy(&memory) || !output->open(name, spec) || !output->write_image(type, pixels) ||
         !output->close())
-        throw Error("cannot write '{}': {}", file.string(), output->geterror());
-    target.commit();
+        throw Error("cannot write {}: {}", format, output->geterror());
+    const std::vector<unsigned char>& bytes = memory.buffer();
+    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-void checkImage(const fs::path& file, const ImageData& image) {
+void checkImage(const ImageData& image) {
     if (image.channels != 3 || image.width <= 0 || image.height <= 0 ||
         image.pixels.size() != static_cast<size_t>(image.width) * static_cast<size_t>(image.height) * 3)
-        throw Error("cannot write '{}': the image is not one of 3 channels", file.string());
+        throw Error("cannot write an image of {}x{} pixels, {} channels and {} values: expected 3 channels",
+                    image.width, image.height, image.channels, image.pixels.size());
 }
 
-void writePng8(const fs::path& file, const ImageData& image, const std::vector<uint8_t>& bytes) {
+std::string encodePng8(const ImageData& image, const std::vector<uint8_t>& bytes, const Metadata& metadata) {
     OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
     spec.attribute("oiio:ColorSpace", "sRGB");
-    writeThrough(file, "png", spec, OIIO::TypeDesc::UINT8, bytes.data());
+    setMetadata(spec, metadata);
+    return encode("png", spec, OIIO::TypeDesc::UINT8, bytes.data());
 }
 
 uint8_t toByte(float display) {
@@ -219,15 +225,14 @@ ImageData readImage(const fs::path& file, bool raw, MemoryBudget* memory) {
     return image;
 }
 
-void writeExr(const fs::path& file, const ImageData& image, const std::vector<ImageLayer>& layers,
-              const Metadata& metadata) {
-    checkImage(file, image);
+std::string encodeExr(const ImageData& image, const std::vector<ImageLayer>& layers,
+                      const Metadata& metadata) {
+    checkImage(image);
     const size_t count = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
     std::vector<std::string> names{"R", "G", "B"};
     for (const ImageLayer& layer : layers) {
         if (layer.pixels.size() != count * layer.channels.size())
-            throw Error("cannot write '{}': layer '{}' does not have the size of the image", file.string(),
-                        layer.name);
+            throw Error("cannot write the layer '{}': it does not have the size of the image", layer.name);
         for (const std::string& channel : layer.channels) names.push_back(layer.name + "." + channel);
     }
     std::vector<float> pixels;
@@ -246,7 +251,12 @@ void writeExr(const fs::path& file, const ImageData& image, const std::vector<Im
     spec.attribute("compression", "zip");
     spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), kRec709);
     setMetadata(spec, metadata);
-    writeThrough(file, "openexr", spec, OIIO::TypeDesc::FLOAT, pixels.data());
+    return encode("openexr", spec, OIIO::TypeDesc::FLOAT, pixels.data());
+}
+
+void writeExr(const fs::path& file, const ImageData& image, const std::vector<ImageLayer>& layers,
+              const Metadata& metadata) {
+    writeFile(file, encodeExr(image, layers, metadata));
 }
 
 Metadata readMetadata(const fs::path& file) {
@@ -279,22 +289,31 @@ ImageLayer readLayer(const fs::path& file, const std::string& name) {
     return layer;
 }
 
-void writePng(const fs::path& file, const ImageData& image, float exposure, ToneCurve curve) {
-    checkImage(file, image);
+std::string encodePng(const ImageData& image, float exposure, ToneCurve curve, const Metadata& metadata) {
+    checkImage(image);
     std::vector<uint8_t> bytes(image.pixels.size());
     for (size_t i = 0; i < bytes.size(); i += 3) {
         const Rgb display =
             tonemap({image.pixels[i], image.pixels[i + 1], image.pixels[i + 2]}, exposure, curve);
         for (size_t c = 0; c < 3; ++c) bytes[i + c] = toByte(display[static_cast<int>(c)]);
     }
-    writePng8(file, image, bytes);
+    return encodePng8(image, bytes, metadata);
 }
 
-void writePngRaw(const fs::path& file, const ImageData& image) {
-    checkImage(file, image);
+void writePng(const fs::path& file, const ImageData& image, float exposure, ToneCurve curve,
+              const Metadata& metadata) {
+    writeFile(file, encodePng(image, exposure, curve, metadata));
+}
+
+std::string encodePngRaw(const ImageData& image, const Metadata& metadata) {
+    checkImage(image);
     std::vector<uint8_t> bytes(image.pixels.size());
     for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = toByte(image.pixels[i]);
-    writePng8(file, image, bytes);
+    return encodePng8(image, bytes, metadata);
+}
+
+void writePngRaw(const fs::path& file, const ImageData& image, const Metadata& metadata) {
+    writeFile(file, encodePngRaw(image, metadata));
 }
 
 }  // namespace metrolux::core

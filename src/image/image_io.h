@@ -44,6 +44,9 @@ using Metadata = std::vector<std::pair<std::string, MetadataValue>>;
 /// The file is replaced as a whole or not at all. `image` has 3 channels. Throws Error.
 void writeExr(const std::filesystem::path& file, const ImageData& image,
               const std::vector<ImageLayer>& layers = {}, const Metadata& metadata = {});
+/// The bytes of that file.
+std::string encodeExr(const ImageData& image, const std::vector<ImageLayer>& layers = {},
+                      const Metadata& metadata = {});
 /// Attributes of an image file of the types that Metadata knows, as OpenImageIO names them.
 Metadata readMetadata(const std::filesystem::path& file);
 /// Channels of a layer that writeExr has written. Throws Error when the file has no such layer.
@@ -52,8 +55,13 @@ ImageLayer readLayer(const std::filesystem::path& file, const std::string& name)
 /// Writes 8-bit PNG of an image with 3 channels: display = curve(2^exposure * value). As a whole or not at
 /// all.
 void writePng(const std::filesystem::path& file, const ImageData& image, float exposure = 0,
-              ToneCurve curve = ToneCurve::Srgb);
+              ToneCurve curve = ToneCurve::Srgb, const Metadata& metadata = {});
+/// The bytes of that file.
+std::string encodePng(const ImageData& image, float exposure = 0, ToneCurve curve = ToneCurve::Srgb,
+                      const Metadata& metadata = {});
 /// The same without tone mapping: values in [0, 1] are display values.
-void writePngRaw(const std::filesystem::path& file, const ImageData& image);
+void writePngRaw(const std::filesystem::path& file, const ImageData& image, const Metadata& metadata = {});
+/// The bytes of that file.
+std::string encodePngRaw(const ImageData& image, const Metadata& metadata = {});
 
 }  // namespace metrolux::core

@@ -146,11 +146,8 @@ void writeCheckpoint(const fs::path& file, const Checkpoint& checkpoint) {
     writer(checkpoint.version, checkpoint);
     const std::string payload = writer.take(), head = checkpointHeader(payload);
     AtomicFile target(file);
-    std::ofstream stream(target.temporary(), std::ios::binary);
-    for (const std::string& part : {std::cref(head), std::cref(payload)})
-        stream.write(part.data(), static_cast<std::streamsize>(part.size()));
-    stream.close();
-    if (!stream) throw Error("cannot write '{}': {}", file.string(), std::strerror(errno));
+    target.write(head);
+    target.write(payload);
     target.commit(previousCheckpoint(file));
 }
 

@@ -2,6 +2,7 @@
 #include "image/image_io.h"
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,16 @@ struct RenderedFrame {
     Metadata metadata;
 };
 
+/// A file that is to be written, with the words of the user that name it ("output 'a.exr'").
+struct NamedOutput {
+    std::string what;
+    std::filesystem::path file;
+};
+
+/// Throws Error when two outputs are one file, or an output is one of the files that the rendering reads: no
+/// output costs an input. Sees through relative names, symbolic and hard links.
+void checkDistinct(std::span<const NamedOutput> outputs, std::span<const std::filesystem::path> inputs);
+
 /// The image files of a session: EXR with everything, PNG for looking at.
 class OutputSet {
   public:
@@ -21,8 +32,10 @@ class OutputSet {
         float exposure = 0;  ///< stops, PNG only
         ToneCurve curve = ToneCurve::Srgb;
     };
-    /// Throws Error when a file is not .exr or .png, is named twice, or could not be written.
-    OutputSet(std::vector<std::filesystem::path> files, const Display& display);
+    /// Throws Error when a file is not .exr or .png, is named twice, or could not be written; and when it
+    /// exists and was not written by Metrolux, unless `overwrite`. Its own pictures are replaced, so that
+    /// a batch can run again; another program's take work to get back.
+    OutputSet(std::vector<std::filesystem::path> files, const Display& display, bool overwrite = false);
 
     /// Writes all files; returns a message for each that could not be written, the others are there.
     std::vector<std::string> write(const RenderedFrame& frame) const;
@@ -32,13 +45,15 @@ class OutputSet {
         std::vector<std::filesystem::path> rescued;  ///< written in place of the failed ones
     };
     /// As write(), and tries `metrolux-rescue-NAME` in the working directory, then in the system's folder for
-    /// temporary files, for each file that could not be written.
+    /// temporary files, for each file that could not be written. A rescued image gets a name of its own
+    /// (`metrolux-rescue-NAME`, `metrolux-rescue-1-NAME` ...) and replaces nothing.
     RescueResult writeOrRescue(const RenderedFrame& frame) const;
 
     const std::vector<std::filesystem::path>& files() const { return files_; }
 
   private:
-    void writeOne(const std::filesystem::path& file, const RenderedFrame& frame) const;
+    /// The bytes of the file.
+    std::string encoded(const std::filesystem::path& file, const RenderedFrame& frame) const;
     std::vector<std::filesystem::path> files_;
     Display display_;
 };

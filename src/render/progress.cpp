@@ -53,15 +53,20 @@ void ProgressReporter::update(const PassReport& report, double raysPerSecond, co
         return;
     }
     text.resize(std::min(text.size(), terminalWidth(stream_) - 1));
-    fmt::print(stream_, "\r{}\x1b[K", text);
-    std::fflush(stream_);
+    put(fmt::format("\r{}\x1b[K", text));
     lineOpen_ = true;
     nextUpdate_ = report.seconds + kTerminalInterval;
 }
 
 void ProgressReporter::finish() {
-    if (lineOpen_) fmt::print(stream_, "\n");
+    if (lineOpen_) put("\n");
     lineOpen_ = false;
+}
+
+/// A terminal that has gone away (SIGHUP, a closed pipe) is no reason to end a rendering.
+void ProgressReporter::put(const std::string& text) const {
+    std::fputs(text.c_str(), stream_);
+    std::fflush(stream_);
 }
 
 }  // namespace metrolux::core

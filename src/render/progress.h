@@ -29,6 +29,7 @@ class ProgressReporter {
     void finish();
 
   private:
+    void put(const std::string& text) const;
     Mode mode_;
     std::FILE* stream_;
     double nextUpdate_ = 0;

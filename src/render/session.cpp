@@ -73,7 +73,7 @@ RenderSession::RenderSession(const Scene& scene, SessionOptions options,
 RenderSession::RenderSession(const Scene& scene, SessionOptions options, StreamedIntegrator::Make make)
     : scene_(scene),
       options_(std::move(options)),
-      outputs_(options_.outputs, options_.display),
+      outputs_(options_.outputs, options_.display, options_.overwrite),
       film_(makeFilm(scene)),
       integrator_(std::move(make), options_.streams, options_.limits.passes) {
     options_.integrator = integratorName(options_.integrator, scene);

@@ -28,6 +28,7 @@ struct SessionOptions {
     RenderLimits limits;
     std::vector<std::filesystem::path> outputs;
     OutputSet::Display display;
+    bool overwrite = false;  ///< images of other programs too
     std::vector<Aov> aovs;
     double saveEvery = 60;  ///< seconds between intermediate images; 0: none
     std::string version;    ///< for statistics and metadata

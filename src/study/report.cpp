@@ -162,7 +162,7 @@ Json winnersJson(const SceneStudy& study, const Plan& plan) {
 void writeImages(const ImageData& image, const ImageFiles& files, const Metadata& metadata,
                  const fs::path& folder) {
     writeExr(folder / files.exr, image, {}, metadata);
-    writePng(folder / files.png, image);
+    writePng(folder / files.png, image, 0, ToneCurve::Srgb, metadata);
 }
 
 std::string cell(const std::string& text, const Ranking& ranking, size_t entrant) {
@@ -284,11 +284,11 @@ void writeRun(const SceneStudy& study, const Plan& plan, size_t entrant, const R
 std::string writeReport(const SceneStudy& study, const Plan& plan, const Provenance& provenance,
                         const fs::path& folder) {
     const Json json = studyJson(study, plan, provenance);
-    writeTextFile(folder / "study.json", json.dump(2) + "\n");
-    writeTextFile(folder / "curves.csv", curvesCsv(study, plan));
-    writeTextFile(folder / "table.md", markdownTable(study, plan));
+    writeFile(folder / "study.json", json.dump(2) + "\n");
+    writeFile(folder / "curves.csv", curvesCsv(study, plan));
+    writeFile(folder / "table.md", markdownTable(study, plan));
     if (!pageProblem().empty()) return pageProblem();
-    writeTextFile(folder / "index.html", studyPage(json, pageImages(study, plan)));
+    writeFile(folder / "index.html", studyPage(json, pageImages(study, plan)));
     return {};
 }
 

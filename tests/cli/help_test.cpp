@@ -62,7 +62,7 @@ TEST_F(CliTest, WrongOptionsFailWithStatus2AndSayWhatIsWrong) {
         {{"render", "scene.xml", "--time", "0"}, "longer than zero"},
         {{"render", "scene.xml", "--passes", "-3"}, "--passes: '-3'"},
         {{"render", "scene.xml", "--passes", "many"}, "--passes: 'many'"},
-        {{"render", "scene.xml", "--error", "nan"}, "--error: 'nan'"},
+        {{"render", "scene.xml", "--error", "nan"}, "--error nan: expected a number above zero"},
         {{"render", "scene.xml", "--seed", "-1"}, "--seed: '-1'"},
         {{"render", "scene.xml", "--threads", "0"}, "--threads: '0'"},
         {{"render", "scene.xml", "--resolution", "12"}, "WIDTHxHEIGHT"},

@@ -31,7 +31,11 @@ TEST_F(CliTest, RendersToTheFilesThatAreNamed) {
     EXPECT_EQ(readImage(folder / "b.png", false).height, 16);
     EXPECT_EQ(readLayer(folder / "a.exr", "depth").pixels.size(), 24u * 16);
     EXPECT_EQ(run({"render", "scene.xml", "--passes", "1"}).status, 0);
-    EXPECT_TRUE(fs::exists(folder / "scene.exr")) << "the default output";
+    EXPECT_TRUE(fs::exists(folder / (folder.filename().string() + ".exr")))
+        << "named after scene.xml's folder";
+    fs::copy_file(folder / "scene.xml", folder / "other.xml");
+    EXPECT_EQ(run({"render", "other.xml", "--passes", "1"}).status, 0);
+    EXPECT_TRUE(fs::exists(folder / "other.exr")) << "named after the scene";
 }
 
 TEST_F(CliTest, ThreadsDoNotChangeTheImageOfAnyIntegrator) {
@@ -226,7 +230,7 @@ TEST_F(CliTest, TimeAndErrorLimitsStop) {
 }
 
 TEST_F(CliTest, SignalsEndThePassAndKeepTheImage) {
-    for (int signal : {SIGINT, SIGTERM}) {
+    for (int signal : {SIGINT, SIGTERM, SIGHUP}) {
         fs::remove(folder / "a.exr");
         Command command(folder, {"render", "scene.xml", "--time", "1h", "--save-every", "0.01", "-o", "a.exr",
                                  "--stats", "a.json"});
@@ -234,6 +238,7 @@ TEST_F(CliTest, SignalsEndThePassAndKeepTheImage) {
         command.signal(signal);
         const Outcome outcome = command.wait();
         EXPECT_EQ(outcome.status, 3) << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr("metrolux resume"));
         EXPECT_GT(mean(readImage(folder / "a.exr", false)), 0.001);
         EXPECT_EQ(nlohmann::json::parse(std::ifstream(folder / "a.json"))["stop_reason"], "interrupted");
     }

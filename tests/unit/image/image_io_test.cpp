@@ -172,15 +172,15 @@ TEST_F(ImageIo, WritingFailsWithoutTrace) {
 }
 
 TEST_F(ImageIo, ReplacesAnExistingFileAsAWhole) {
-    writeTextFile(folder / "a.json", "old and long");
-    writeTextFile(folder / "a.json", "new");
+    writeFile(folder / "a.json", "old and long");
+    writeFile(folder / "a.json", "new");
     std::ifstream stream(folder / "a.json");
     std::string text;
     std::getline(stream, text);
     EXPECT_EQ(text, "new");
     {
         AtomicFile abandoned(folder / "a.json");
-        writeBytes(abandoned.temporary(), "half");
+        abandoned.write("half");
     }
     EXPECT_EQ(fs::file_size(folder / "a.json"), 3u);
     EXPECT_EQ(fileCount(), 1u);
@@ -222,7 +222,7 @@ TEST(Tonemap, NamesOfCurves) {
 TEST_F(ImageIo, ThePreviousFileIsKeptWhereItIsKeptAlready) {
     const auto write = [&](const char* text) {
         AtomicFile file(folder / "c");
-        std::ofstream(file.temporary()) << text;
+        file.write(text);
         file.commit(folder / "c.1");
     };
     const auto content = [&](const char* name) {

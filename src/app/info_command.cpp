@@ -1,6 +1,6 @@
 #include "app/commands.h"
 #include "app/option_parsing.h"
-#include "integrators/integrator.h"
+#include "integrators/scene_choice.h"
 #include "io/scene_loader.h"
 
 #include <fmt/format.h>
@@ -70,7 +70,9 @@ int info(const InfoArguments& a) {
     LoadOptions options;
     options.defines = parseDefines(a.defines);
     options.lenient = a.lenient;
-    const Scene scene(loadScene(a.scene, options));
+    SceneParts read = loadScene(a.scene, options);
+    settleSceneIntegrator(read, a.lenient);
+    const Scene scene(std::move(read));
     const SceneParts& parts = scene.parts();
     const Census counts = census(parts);
     const FilmWindow& w = scene.camera().window();
@@ -83,7 +85,9 @@ int info(const InfoArguments& a) {
     fmt::print(", filter {} of radius {}\n", filterName(parts.filterKind), filter.radius());
     const Vec3f eye = scene.camera().position();
     fmt::print("sensor      {} at ({:.4g}, {:.4g}, {:.4g})\n", kindOf(scene.camera()), eye.x, eye.y, eye.z);
-    fmt::print("integrator  {}, ", parts.integrator);
+    const IntegratorDescription* const integrator = integratorOf(parts.integrator);
+    fmt::print("integrator  {} ({}), ", parts.integrator.type,
+               integrator ? "rendered by " + integrator->name : std::string("not supported"));
     if (parts.limits.maxDepth < 0)
         fmt::print("paths of any length");
     else
@@ -102,11 +106,6 @@ int info(const InfoArguments& a) {
     return kDone;
 }
 
-int listIntegrators() {
-    for (const auto& [name, description] : integratorList()) fmt::print("{:14} {}\n", name, description);
-    return kDone;
-}
-
 }  // namespace
 
 Run addInfoCommand(CLI::App& parent) {
@@ -120,11 +119,6 @@ Run addInfoCommand(CLI::App& parent) {
     app->add_flag("--lenient", a->lenient,
                   "Warn of unknown plugins and parameters instead of refusing the scene");
     return [a] { return info(*a); };
-}
-
-Run addIntegratorsCommand(CLI::App& parent) {
-    parent.add_subcommand("integrators", "List the integrators");
-    return [] { return listIntegrators(); };
 }
 
 }  // namespace metrolux::core::app

@@ -23,12 +23,12 @@ void append(std::vector<Vertex>& to, const std::vector<Vertex>& from, double wei
 
 }  // namespace
 
-VisibilityLightSet::VisibilityLightSet(const IntegratorOptions& options, size_t samples)
-    : rng_(hashKey(options.seed, StreamPurpose::Seeding, 'L')), inefficiency_(options.chainInefficiency) {
-    const auto lanes = static_cast<size_t>(laneCount(options, samples));
-    const auto kind = options.kernel.value_or(MutationKernel::Kind::Kelemen);
+VisibilityLightSet::VisibilityLightSet(uint64_t seed, const ChainParameters& chains, double inefficiency,
+                                       size_t samples)
+    : rng_(hashKey(seed, StreamPurpose::Seeding, 'L')), inefficiency_(inefficiency) {
+    const auto lanes = static_cast<size_t>(laneCount(chains, samples));
     for (size_t i = 0; i < lanes; ++i)
-        lanes_.emplace_back(hashKey(options.seed, StreamPurpose::Chain, 'L', i), kind);
+        lanes_.emplace_back(hashKey(seed, StreamPurpose::Chain, 'L', i), chains.kernel);
 }
 
 void VisibilityLightSet::begin(size_t samples, double radius) {
@@ -142,8 +142,8 @@ nlohmann::json VisibilityLightSet::statistics() const {
             {"acceptance", tried ? double(accepted) / double(tried) : 0.0}};
 }
 
-StateLightSet::StateLightSet(const IntegratorOptions& options, double cell, size_t lanes)
-    : seed_(options.seed), visited_(lanes), chainMade_(cell), uniform_(cell) {}
+StateLightSet::StateLightSet(uint64_t seed, double cell, size_t lanes)
+    : seed_(seed), visited_(lanes), chainMade_(cell), uniform_(cell) {}
 
 size_t StateLightSet::steps() const {
     size_t sum = 0;

@@ -34,14 +34,14 @@ void printOne(const IntegratorDescription& integrator) {
     if (!integrator.mitsubaTypes.empty()) fmt::print("{}\n", otherTypes(integrator));
     for (const ParameterInfo& info : integrator.parameters) {
         fmt::print("\n  {}\n      {}\n      in scenes: {}{}; expected: {}; default: {}\n", usage(info),
-                   info.help, info.name, info.alias.empty() ? "" : " or " + info.alias, info.expected,
-                   info.defaultText());
+                   info.help, info.name, info.alias.empty() ? "" : fmt::format(" or {}", info.alias),
+                   info.expected, info.defaultText());
     }
 }
 
 /// Bars end the cells of a table.
 std::string cell(std::string text) {
-    for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, "\\");
+    for (size_t at = 0; (at = text.find('|', at)) != std::string::npos; at += 2) text.insert(at, 1, '\\');
     return text;
 }
 

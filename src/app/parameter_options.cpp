@@ -49,7 +49,7 @@ std::string defaultsOf(const Shared& parameter) {
     return result;
 }
 
-/// Help in lines that a terminal of 120 columns shows whole.
+/// What it is, its defaults, and who has it.
 std::string helpOf(const Shared& parameter) {
     const ParameterInfo& info = parameter.first();
     std::string help = info.help;
@@ -57,7 +57,7 @@ std::string helpOf(const Shared& parameter) {
     if (info.type == ParameterType::Boolean && info.defaultValue == ParameterValue(true))
         help = fmt::format("Do not {}", info.help);
     else
-        help += fmt::format(" ({})", defaultsOf(parameter));
+        help += fmt::format("\n({})", defaultsOf(parameter));
     return fmt::format("{}\nfor {}", help, fmt::join(parameter.integrators, ", "));
 }
 

@@ -22,7 +22,7 @@ struct MergingParameters {
         v({"radius", "initial_radius"}, radius, Range::from(0).zeroIs("from the pixel size"),
           "first merging radius in scene units");
         v({"radius_alpha", "alpha"}, alpha, Range::between(0, 1),
-          "how the radius shrinks: r^2 goes with passes^(alpha - 1)");
+          "how slowly the radius shrinks: r^2 is as passes^(alpha - 1)");
     }
     void resolve(const Scene& scene, const PathLimits& limits) {
         if (radius == 0) radius = projectedPixelRadius(scene, limits);
@@ -34,7 +34,7 @@ struct WeighingParameters {
     template <class V>
     void visit(V&& v) {
         v("correlation_aware", correlationAware, Flag{},
-          "weigh merges that share an eye vertex as one sample, not as independent ones");
+          "weigh merges that share an eye vertex as one sample");
     }
 };
 

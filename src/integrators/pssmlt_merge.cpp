@@ -119,7 +119,7 @@ class PssmltMergeIntegrator final : public Resumable<PssmltMergeIntegrator, Iter
 IntegratorDescription pssmltMergeIntegrator() {
     return describe<PssmltMergeParameters, PssmltMergeIntegrator>(
         "pssmlt_merge",
-        "pssmlt that also merges with light subpaths from chains (method A or B of the paper)");
+        "chains of pssmlt that also merge with light subpaths from chains (method A or B of the paper)");
 }
 
 }  // namespace metrolux::core

@@ -56,7 +56,9 @@ TEST(Integrators, ParametersHaveNamesHelpAndOtherValues) {
         for (const ParameterInfo& info : integrator.parameters) {
             const std::string what = integrator.name + ": " + info.name;
             EXPECT_TRUE(all.insert(info.name).second) << what;
-            if (!info.alias.empty()) EXPECT_TRUE(all.insert(info.alias).second) << what;
+            if (!info.alias.empty()) {
+                EXPECT_TRUE(all.insert(info.alias).second) << what;
+            }
             EXPECT_EQ(info.name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_"), std::string::npos) << what;
             EXPECT_GE(info.help.size(), 10u) << what;
             EXPECT_LE(info.help.size(), 110u) << what << ": a line of help";
@@ -107,8 +109,9 @@ TEST_P(EachIntegrator, ParametersChangeTheImage) {
     }
     for (const IntegratorDescription& other : integratorList())
         for (const ParameterInfo& info : other.parameters)
-            if (!ParameterSet(findIntegrator(GetParam()).parameters).find(info.name))
+            if (!ParameterSet(findIntegrator(GetParam()).parameters).find(info.name)) {
                 EXPECT_THROW(image({{info.name, info.defaultValue}}), Error) << info.name;
+            }
 }
 INSTANTIATE_TEST_SUITE_P(All, EachIntegrator, testing::ValuesIn(names()),
                          [](const auto& i) { return i.param; });

@@ -91,6 +91,9 @@ study: build  ## all integrators on six hard scenes, as web pages in study/: mor
 integrator-pictures: build  ## the pictures of docs/lab/integrators.md
 	tools/integrator_pictures.sh
 
+parameters: build  ## the page of the integrators' parameters, docs/reference/parameters.md
+	$(BUILD)/metrolux integrators --markdown > docs/reference/parameters.md
+
 format:  ## clang-format on all sources
 	git ls-files '*.cpp' '*.h' | xargs clang-format -i
 

@@ -4,6 +4,7 @@
 #include "render/checkpoint.h"
 
 #include "base/state_archive.h"
+#include "integrators/registry.h"
 #include "render/merge.h"
 #include "sandbox.h"
 #include "support/small_scenes.h"
@@ -28,32 +29,37 @@ const Scene& smallScene() {
     return *scene;
 }
 
-/// With the corpus' number of lanes, and those options that decide about the shape of a state.
-IntegratorOptions optionsOf(const nlohmann::json& algorithm) {
-    const auto is = [&](const char* option, const char* value) {
-        return algorithm.contains(option) && algorithm[option] == value;
-    };
-    IntegratorOptions options;
-    options.lanes = 2;
+/// The parameters of the file where they are some, with the corpus' number of lanes: they decide about the
+/// shape of a state.
+std::unique_ptr<Integrator> integratorOf(const IntegratorDescription& integrator,
+                                         const nlohmann::json& algorithm) {
+    ParameterSet set(integrator.parameters);
+    for (const ParameterInfo& info : integrator.parameters) {
+        const nlohmann::json::json_pointer at("/parameters/" + info.name);
+        if (!algorithm.contains(at)) continue;
+        const nlohmann::json& value = algorithm.at(at);
+        try {
+            set.set(info.name, value.is_string() ? value.get<std::string>() : value.dump());
+        } catch (const Error&) {
+            continue;  // the default then
+        }
+    }
+    if (set.find("lanes")) set.set("lanes", 2);
+    CommonOptions options;
     options.limits.maxDepth = 6;
-    if (is("method", "A")) options.mergeMethod = 'A';
-    if (is("normalization", "bennett")) options.normalization = NormalizationMethod::Bennett;
-    options.measuredSplit = is("split", "auto") && is("integrator", "mcmc_vcm");
-    if (is("kernel", "adaptive")) options.kernel = MutationKernel::Kind::Adaptive;
-    return options;
+    return integrator.prepare(smallScene(), options, set)(options.seed);
 }
 
 /// What `metrolux resume` does with a state, and a pass.
 void resume(const Checkpoint& checkpoint) {
     constexpr uint32_t kStreams = 16;
     const nlohmann::json algorithm = nlohmann::json::parse(checkpoint.identity)["algorithm"];
-    const auto integrators = integratorList();
-    std::string name = algorithm["integrator"];
-    const auto isName = [&](const auto& known) { return known.first == name; };
-    if (std::none_of(integrators.begin(), integrators.end(), isName)) name = "path";
-    StreamedIntegrator integrator(
-        [&](uint32_t) { return makeIntegrator(name, smallScene(), optionsOf(algorithm)); },
-        {kStreams, 0, kStreams - 1}, 0);
+    const auto& list = integratorList();
+    const auto named = std::find_if(list.begin(), list.end(),
+                                    [&](const auto& known) { return known.name == algorithm["integrator"]; });
+    const IntegratorDescription& description = named == list.end() ? findIntegrator("path") : *named;
+    StreamedIntegrator integrator([&](uint32_t) { return integratorOf(description, algorithm); },
+                                  {kStreams, 0, kStreams - 1}, 0);
     integrator.restore(checkpoint.streams);
     Film film = makeFilm(smallScene());
     StateReader reader(checkpoint.film);

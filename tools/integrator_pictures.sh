@@ -17,14 +17,15 @@ passes() {
         water-sds-vcm) echo 25 ;; water-sds-mcmc_vcm) echo 15 ;; water-sds-sppm) echo 72 ;;
         water-sds-vpt) echo 55 ;; water-sds-split_mcmc) echo 23 ;; water-sds-pssmlt) echo 29 ;;
         water-sds-mmlt) echo 63 ;; water-sds-pssmlt_merge) echo 13 ;;
-        *) echo "no number of passes is known for $2 on $1" >&2; return 1 ;;
+        *) echo "left out: no number of passes is known for $2 on $1" >&2; return 1 ;;
     esac
 }
 
 printf '| scene | integrator | passes | relMSE | trimmed | bias of mean | CPU s |\n|---|---|---|---|---|---|---|\n'
 for scene in ${SCENES:-water-sds}; do
-    for i in ${INTEGRATORS:-path light bdpt vcm mcmc_vcm sppm vpt split_mcmc pssmlt mmlt pssmlt_merge}; do
-        n=$(($(passes "$scene" "$i") * ${FACTOR:-1}))
+    for i in ${INTEGRATORS:-$("$metrolux" integrators | cut -d' ' -f1)}; do
+        n=$(passes "$scene" "$i") || continue
+        n=$((n * ${FACTOR:-1}))
         TIMEFORMAT='%U'
         { time "$metrolux" render "scenes/$scene/scene.xml" -i "$i" --passes "$n" --resolution 256x192 --seed 1 --save-every 0 \
             --quiet -o "$out/a.exr" -o "docs/lab/pictures/$scene-$i.png"; } 2>"$out/cpu"

@@ -12,7 +12,8 @@ shift
 root=$(cd "$(dirname "$0")/.." && pwd)
 shared=$root/../shared/scenes
 references=$root/tests/agreement/references
-integrators=${STUDY_INTEGRATORS:-path,light,bdpt,vcm,sppm,vpt,split_mcmc,pssmlt,mmlt,pssmlt_merge,mcmc_vcm}
+metrolux=${METROLUX:-$root/build/metrolux}
+integrators=${STUDY_INTEGRATORS:-$("$metrolux" integrators | cut -d' ' -f1 | paste -sd,)}
 
 study() { # scene, reference, resolution, other options
     local scene=$1 reference=$2 resolution=$3
@@ -21,7 +22,7 @@ study() { # scene, reference, resolution, other options
         echo "skipped: $scene or its reference $reference is absent" >&2
         return
     fi
-    "${METROLUX:-$root/build/metrolux}" study "$scene" --ref "$reference" --resolution "$resolution" "$@" \
+    "$metrolux" study "$scene" --ref "$reference" --resolution "$resolution" "$@" \
         --integrators "$integrators" --time "${STUDY_TIME:-60s}" --clock cpu --threads "${STUDY_THREADS:-1}" \
         --seeds "${STUDY_SEEDS:-1}" -o "$folder"
 }

@@ -38,11 +38,8 @@ int bench(BenchArguments& a) {
     const Scene scene(std::move(parts));
     const double build = steadySeconds() - start - read;
 
-    a.speed.integrator = integratorName(r.session.integrator, scene);
-    if (r.session.integrator == "scene") warnOfUnusedOptions(r, a.speed.integrator);
-    a.speed.options = r.session.integratorOptions;
-    a.speed.options.limits = scene.parts().limits;
-    if (r.maxDepth) a.speed.options.limits.maxDepth = *r.maxDepth;
+    a.speed.choice = completeAlgorithm(r, scene);
+    a.speed.options = r.session.common;
 
     nlohmann::json j{{"format", "metrolux-bench"},
                      {"scene", r.scene},
@@ -52,9 +49,9 @@ int bench(BenchArguments& a) {
     j["passes"] = study::measurePasses(scene, a.speed);
     j["techniques"] = study::measureTechniques(scene, a.speed);
     if (!a.json.empty()) writeFile(a.json, j.dump(2) + "\n");
-    fmt::print("{}, {}, {}x{} pixels; loaded in {:.2f} s, built in {:.2f} s\n{}", r.scene, a.speed.integrator,
-               scene.camera().window().width, scene.camera().window().height, read, build,
-               study::speedTable(j["passes"], j["techniques"]));
+    fmt::print("{}, {}, {}x{} pixels; loaded in {:.2f} s, built in {:.2f} s\n{}", r.scene,
+               a.speed.choice.name(), scene.camera().window().width, scene.camera().window().height, read,
+               build, study::speedTable(j["passes"], j["techniques"]));
     return kDone;
 }
 

@@ -1,7 +1,7 @@
 #include "app/commands.h"
 #include "app/option_parsing.h"
 #include "app/render_options.h"
-#include "integrators/integrator.h"
+#include "integrators/scene_choice.h"
 #include "io/scene_loader.h"
 
 #include <fmt/format.h>
@@ -86,7 +86,9 @@ void print(const SceneParts& parts, const Census& counts, const SceneBounds* bou
         printCamera(parts);
     else
         fmt::print("sensor      none\n");
-    fmt::print("integrator  {}, ", parts.integrator);
+    const IntegratorDescription* const integrator = integratorOf(parts.integrator);
+    fmt::print("integrator  {} ({}), ", parts.integrator.type,
+               integrator ? "rendered by " + integrator->name : std::string("not supported"));
     if (parts.limits.maxDepth < 0)
         fmt::print("paths of any length");
     else
@@ -107,7 +109,7 @@ void print(const SceneParts& parts, const Census& counts, const SceneBounds* bou
 void printJson(const SceneParts& parts, const Census& counts, const SceneBounds* bounds) {
     nlohmann::json result = {{"scene", parts.source},
                              {"integrator",
-                              {{"type", parts.integrator},
+                              {{"type", parts.integrator.type},
                                {"max_depth", parts.limits.maxDepth},
                                {"rr_depth", parts.limits.rouletteDepth},
                                {"hide_emitters", parts.limits.hideEmitters}}},
@@ -139,6 +141,8 @@ int info(const InfoArguments& a) {
     options.sensor = a.sensor;
     options.fragment = true;
     SceneParts parts = loadScene(a.scene, options);
+    settleSceneIntegrator(parts, a.lenient);
+    if (a.strict) refuseWarnings(parts);
     const Census counts = census(parts);
     const auto show = [&](const SceneParts& p, const SceneBounds* bounds) {
         a.json ? printJson(p, counts, bounds) : print(p, counts, bounds);
@@ -149,11 +153,6 @@ int info(const InfoArguments& a) {
     }
     const Scene scene(std::move(parts));  // which may find more that is wrong
     show(scene.parts(), &scene.bounds());
-    return kDone;
-}
-
-int listIntegrators() {
-    for (const auto& [name, description] : integratorList()) fmt::print("{:14} {}\n", name, description);
     return kDone;
 }
 
@@ -173,11 +172,6 @@ Run addInfoCommand(CLI::App& parent) {
     app->add_flag("--json", a->json, "Print JSON");
     addStrictnessOptions(*app, a->lenient, a->strict, "");
     return [a] { return info(*a); };
-}
-
-Run addIntegratorsCommand(CLI::App& parent) {
-    parent.add_subcommand("integrators", "List the integrators");
-    return [] { return listIntegrators(); };
 }
 
 }  // namespace metrolux::core::app

@@ -95,12 +95,8 @@ int renderOn(Team* team, RenderArguments& a, std::optional<Checkpoint> before) {
         if (a.session.rank == 0) checkDistinct(namedOutputs(a), files);
         for (const std::string& warning : parts.warnings) spdlog::warn("{}", warning);
         const Scene scene(std::move(parts));
-        PathLimits& limits = a.session.integratorOptions.limits;
-        limits = scene.parts().limits;
-        if (a.maxDepth) limits.maxDepth = *a.maxDepth;
         if (!a.session.checkpoint.file.empty() || team) a.session.checkpoint.scene = sceneIdentity(a, files);
-        const std::string integrator = integratorName(a.session.integrator, scene);
-        if (a.session.integrator == "scene") warnOfUnusedOptions(a, integrator);
+        const std::string integrator = completeAlgorithm(a, scene).name();
         RenderSession session(scene, a.session);
         if (before) session.restore(*std::move(before));
         const FilmWindow& window = scene.camera().window();

@@ -1,12 +1,10 @@
 #include "app/render_options.h"
 
 #include "app/option_parsing.h"
+#include "app/parameter_options.h"
 #include "app/validators.h"
 #include "base/error.h"
-#include "base/suggest.h"
 #include "image/atomic_file.h"
-
-#include <spdlog/spdlog.h>
 
 namespace metrolux::core::app {
 
@@ -139,9 +137,9 @@ void addStrictnessOptions(CLI::App& app, bool& lenient, bool& strict, const std:
 
 void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
     const char* const group = "Algorithm";
-    IntegratorOptions& integrator = a.session.integratorOptions;
     app.add_option("-i,--integrator", a.session.integrator,
-                   "One of `metrolux integrators`, or `scene` for what the scene names (default: mcmc_vcm)")
+                   "One of `metrolux integrators`, or `scene` for what the scene names (default: " +
+                       std::string(kDefaultIntegrator) + ")")
         ->option_text("NAME")
         ->group(group);
     app.add_option("--max-depth", a.maxDepth,
@@ -149,83 +147,11 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
         ->option_text("N")
         ->check(wholeNumber(-1, 1 << 20))
         ->group(group);
-    app.add_option("--seed", integrator.seed, "Seed of all random numbers (default: 0)")
+    app.add_option("--seed", a.session.common.seed, "Seed of all random numbers (default: 0)")
         ->option_text("K")
         ->check(wholeNumber<uint64_t>(0, std::numeric_limits<uint64_t>::max()))
         ->group(group);
-    app.add_option("--radius", integrator.radius,
-                   "First merging radius in scene units (default: from the pixel size)")
-        ->option_text("R")
-        ->check(realNumber(false))
-        ->group(group);
-    app.add_option("--replicas", integrator.replicas,
-                   "mcmc_vcm, vpt, split_mcmc: chains that take part, of u (uniform), v (visibility)\nand f "
-                   "(contribution, mcmc_vcm only) (default: all)")
-        ->option_text("uvf")
-        ->group(group);
-    app.add_option(
-           "--kernel", a.kernel,
-           "Mutation of chains: `kelemen` (default) or `adaptive` (the paper's, larger steps;\ndefault of "
-           "vpt and split_mcmc)")
-        ->option_text("NAME")
-        ->check(CLI::IsMember({"kelemen", "adaptive"}))
-        ->group(group);
-    app.add_option("--large-step", integrator.largeStep,
-                   "pssmlt, mmlt, pssmlt_merge: probability of a step to a uniform sample (default: 0.3)")
-        ->option_text("P")
-        ->check(CLI::Range(0.0, 1.0))
-        ->group(group);
-    app.add_option("--method", a.method,
-                   "pssmlt_merge: light subpaths for merging from a visibility chain (B, default)\nor from "
-                   "pssmlt's own states (A, experimental: biased)")
-        ->option_text("B|A")
-        ->check(CLI::IsMember({"A", "B"}))
-        ->group(group);
-    app.add_option("--chain-inefficiency", integrator.chainInefficiency,
-                   "mcmc_vcm, vpt, split_mcmc: steps of a chain that count as one independent sample in the "
-                   "weights (default: "
-                   "4); changes noise, not brightness")
-        ->option_text("G")
-        ->check(CLI::Range(1.0, 1e6))
-        ->group(group);
-    app.add_option("--connections", integrator.connections,
-                   "bdpt, vcm, mcmc_vcm: share of the light subpaths that are connected with an eye subpath\n"
-                   "(default: 1; mcmc_vcm: 0.0625); changes noise, not brightness")
-        ->option_text("C")
-        ->check(CLI::Range(1e-6, 1.0))
-        ->group(group);
-    app.add_option("--split", a.split,
-                   "mcmc_vcm, vpt, split_mcmc: parts of the replicas u/v/f in the samples (default: 1/1/1);\n"
-                   "`auto` (mcmc_vcm): by the noise that each replica makes")
-        ->option_text("U/V/F")
-        ->group(group);
-    app.add_option(
-           "--target", a.target,
-           "mcmc_vcm: what chains of f look for: `luminance` (default), or `relative` to what the\nimage "
-           "shows there so far")
-        ->option_text("NAME")
-        ->check(CLI::IsMember({"luminance", "relative"}))
-        ->group(group);
-    app.add_option(
-           "--normalization", a.normalization,
-           "mcmc_vcm: of f, from independent and visibility samples (`pooled`, default) or from all\nby "
-           "`bennett`'s ratio; changes noise, not brightness")
-        ->option_text("NAME")
-        ->check(CLI::IsMember({"pooled", "bennett"}))
-        ->group(group);
-    app.add_option("--theta", a.theta,
-                   "mcmc_vcm, vpt, split_mcmc: adaptive kernel steered for each `lane` (default) or `pooled`")
-        ->option_text("NAME")
-        ->check(CLI::IsMember({"lane", "pooled"}))
-        ->group(group);
-    app.add_flag(
-           "!--no-correlation-aware", integrator.correlationAware,
-           "vcm, mcmc_vcm, split_mcmc: weigh merges that share an eye vertex as if they were independent")
-        ->group(group);
-    app.add_option("--lanes", integrator.lanes, "Number of independent sets of chains")
-        ->option_text("N")
-        ->check(wholeNumber(1, 1 << 20))
-        ->group(group);
+    addParameterOptions(app, a.session.parameters);
 }
 
 void addMachineOptions(CLI::App& app, RenderArguments& a) {
@@ -241,87 +167,20 @@ void addMachineOptions(CLI::App& app, RenderArguments& a) {
         ->group(group);
 }
 
-namespace {
-
-/// A fixed number, because the image depends on it: more memory of the machine must not change it. Keeps
-/// 1920x1080 pixels of eight vertices each below 2.5 GB in all.
-constexpr size_t kDefaultMemory = size_t{1408} << 20;
-
-void checkReplicas(const std::string& replicas) {
-    if (replicas.empty() || replicas.find_first_not_of("uvf") != std::string::npos)
-        throw Error("--replicas {}: expected some of the letters u, v and f", replicas);
-}
-
-std::array<double, 3> parseSplit(const std::string& text) {
-    std::array<double, 3> parts{};
-    std::istringstream in(text);
-    char slash1 = 0, slash2 = 0;
-    in >> parts[0] >> slash1 >> parts[1] >> slash2 >> parts[2];
-    const bool positive = std::all_of(parts.begin(), parts.end(), [](double p) { return p > 0 && p <= 1e6; });
-    if (!in || slash1 != '/' || slash2 != '/' || in.peek() != EOF || !positive)
-        throw Error(
-            "--split {}: expected `auto` or three numbers above 0, such as 1/1/2 (--replicas leaves one out)",
-            text);
-    return parts;
-}
-
-void checkIntegratorName(const std::string& name) {
-    if (name == "scene") return;
-    std::vector<std::string> names;
-    for (const auto& [known, description] : integratorList()) names.push_back(known);
-    if (std::find(names.begin(), names.end(), name) != names.end()) return;
-    const std::string nearest = nearestName(name, names);
-    throw Error("unknown integrator '{}'{}; `metrolux integrators` lists them", name,
-                nearest.empty() ? "" : ", did you mean '" + nearest + "'?");
-}
-
-}  // namespace
-
-void warnOfUnusedOptions(const RenderArguments& a, const std::string& integrator) {
-    const IntegratorOptions& o = a.session.integratorOptions;
-    const IntegratorOptions unset;
-    const std::string chains = "mcmc_vcm vpt split_mcmc", metropolis = "pssmlt mmlt pssmlt_merge";
-    const struct {
-        const char* option;
-        bool given;
-        std::string integrators;
-    } uses[] = {
-        {"--radius", o.radius > 0, "vcm sppm pssmlt_merge " + chains},
-        {"--replicas", o.replicas.has_value(), chains},
-        {"--kernel", o.kernel.has_value(), chains + " " + metropolis},
-        {"--large-step", o.largeStep != unset.largeStep, metropolis},
-        {"--method", o.mergeMethod != unset.mergeMethod, "pssmlt_merge"},
-        {"--chain-inefficiency", o.chainInefficiency != unset.chainInefficiency, chains},
-        {"--connections", o.connections.has_value(), "bdpt vcm mcmc_vcm"},
-        {"--split", !a.split.empty(), chains},
-        {"--target", o.target != unset.target, "mcmc_vcm"},
-        {"--normalization", o.normalization != unset.normalization, "mcmc_vcm"},
-        {"--theta", o.pooledTheta, chains},
-        {"--no-correlation-aware", !o.correlationAware, "vcm mcmc_vcm split_mcmc"},
-        {"--lanes", o.lanes > 0, chains + " " + metropolis},
-    };
-    for (const auto& use : uses)
-        if (use.given && (" " + use.integrators + " ").find(" " + integrator + " ") == std::string::npos)
-            spdlog::warn("{} has no effect on {}: it is for {}", use.option, integrator, use.integrators);
-}
-
 void prepareAlgorithm(RenderArguments& a) {
-    IntegratorOptions& options = a.session.integratorOptions;
-    options.memoryBytes = a.memory.empty() ? kDefaultMemory : parseMemory(a.memory);
-    if (options.replicas) checkReplicas(*options.replicas);
-    if (!a.kernel.empty())
-        options.kernel =
-            a.kernel == "adaptive" ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
-    options.mergeMethod = a.method.front();
-    if (a.split == "auto")
-        options.measuredSplit = true;
-    else if (!a.split.empty())
-        options.split = parseSplit(a.split);
-    if (a.target == "relative") options.target = ChainTarget::Relative;
-    if (a.normalization == "bennett") options.normalization = NormalizationMethod::Bennett;
-    options.pooledTheta = a.theta == "pooled";
-    checkIntegratorName(a.session.integrator);
-    if (a.session.integrator != "scene") warnOfUnusedOptions(a, a.session.integrator);
+    if (!a.memory.empty()) a.session.common.memoryBytes = parseMemory(a.memory);
+    if (a.session.integrator != kSceneIntegrator)
+        settleParameters(a.session.parameters, findIntegrator(a.session.integrator));
+}
+
+IntegratorChoice completeAlgorithm(RenderArguments& a, const Scene& scene) {
+    const SceneParts& parts = scene.parts();
+    a.session.common.limits = parts.limits;
+    if (a.maxDepth) a.session.common.limits.maxDepth = *a.maxDepth;
+    if (a.session.integrator == kSceneIntegrator)
+        settleParameters(a.session.parameters,
+                         *chooseIntegrator(a.session.integrator, parts.integrator).integrator);
+    return chooseIntegrator(a.session.integrator, parts.integrator, a.session.parameters);
 }
 
 void prepareOutputs(RenderArguments& a) {
@@ -433,6 +292,8 @@ LoadOptions loadOptions(const RenderArguments& a) {
 
 SceneParts loadSceneParts(const fs::path& file, const RenderArguments& a, std::vector<fs::path>* files) {
     SceneParts parts = loadScene(file, loadOptions(a), files);
+    settleSceneIntegrator(parts, a.lenient);
+    if (a.strict) refuseWarnings(parts);
     if (!a.filter.empty()) {
         parts.filterKind = filterKind(a.filter);
         parts.filter = {};

@@ -11,9 +11,8 @@
 namespace metrolux::core::app {
 
 struct RenderArguments {
-    std::string scene, time, error, saveEvery, memory, sceneMemory, resolution, crop, stats, filter, kernel,
-        split, sensor;
-    std::string curve = "srgb", method = "B", target = "luminance", normalization = "pooled", theta = "lane";
+    std::string scene, time, error, saveEvery, memory, sceneMemory, resolution, crop, stats, filter, sensor;
+    std::string curve = "srgb";
     std::string checkpointEvery, onlyStreams;
     uint32_t streams = 0;  ///< 0: not divided
     std::vector<std::string> outputs, defines, aovs;
@@ -42,12 +41,12 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a);
 /// --threads, --memory.
 void addMachineOptions(CLI::App& app, RenderArguments& a);
 
-/// Checks the values of the algorithm's options and completes session.integratorOptions, but for the path
-/// limits, which need the scene. Throws Error.
+/// Checks the values of the algorithm's options and completes session.common, but for the path limits, which
+/// need the scene. Warns of parameters that the integrator does not have, and drops them, unless the scene
+/// names the integrator. Throws Error.
 void prepareAlgorithm(RenderArguments& a);
-/// Warns of options of the algorithm that this integrator does not know (values that are the default's do no
-/// harm). prepareAlgorithm() does, unless the scene names the integrator.
-void warnOfUnusedOptions(const RenderArguments& a, const std::string& integrator);
+/// The rest of it when the scene is known. Throws Error.
+IntegratorChoice completeAlgorithm(RenderArguments& a, const Scene& scene);
 /// Checks what is named for output, before anything expensive begins. Throws Error.
 void prepareOutputs(RenderArguments& a);
 /// What a scene is called: its file's name, or its folder's if the file is `scene.xml`, as in collections.

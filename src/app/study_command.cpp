@@ -41,7 +41,8 @@ Ctrl-C ends the pass in progress, writes what is there and exits with status 3.)
 struct StudyArguments {
     RenderArguments render;  ///< scene and machine options
     std::vector<std::string> scenes, integrators, references;
-    std::string time, referenceTime, referenceIntegrator = "mcmc_vcm", folder = "study", clock = "wall";
+    std::string time, referenceTime, referenceIntegrator = kDefaultIntegrator, folder = "study",
+                                     clock = "wall";
     Plan plan;
 };
 
@@ -135,7 +136,7 @@ Entrant parseEntrant(const std::string& text, const RenderArguments& common) {
     }
     a.session.integrator = integrator;
     prepareAlgorithm(a);
-    return {text, integrator, a.session.integratorOptions, a.maxDepth, words};
+    return {text, integrator, a.session.parameters, a.session.common, a.maxDepth, words};
 }
 
 void completePlan(StudyArguments& a) {

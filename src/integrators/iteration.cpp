@@ -10,7 +10,7 @@
 
 namespace metrolux::core {
 
-PixelPartition::PixelPartition(const FilmWindow& window, const IntegratorOptions& options) {
+PixelPartition::PixelPartition(const FilmWindow& window, const CommonOptions& options) {
     const std::vector<uint32_t> order = hilbertOrder(window.width, window.height);
     if (options.memoryBytes > 0) {
         // Vertices with room to grow, and with their grid entries and bucket starts. While they are gathered
@@ -49,8 +49,7 @@ class FirstSmooth final : public SubpathVisitor {
 
 }  // namespace
 
-double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options) {
-    if (options.radius > 0) return options.radius;
+double projectedPixelRadius(const Scene& scene, const PathLimits& limits) {
     constexpr double kFootprints = 1.0;
     constexpr double kFallbackFraction = 0.003;  // of the scene's radius
     constexpr int kProbes = 4096;
@@ -61,7 +60,7 @@ double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options
         SobolStream stream(hashKey(0x726164697573, i / 64), static_cast<uint32_t>(i));
         const Vec2f u = read(stream, layout::kRaster);
         FirstSmooth visitor;
-        traceEyeSubpath(scene, stream, options.limits, Strategies::path(),
+        traceEyeSubpath(scene, stream, limits, Strategies::path(),
                         Vec2f(w.x + u.x * w.width, w.y + u.y * w.height), 1, 0, visitor);
         if (!visitor.found) continue;
         sum += scene.camera().pixelFootprint(static_cast<float>(visitor.traveled));
@@ -115,20 +114,21 @@ void independentLightSubpaths(const LightSubpathPass& pass, Film& film, uint64_t
     });
 }
 
-int laneCount(const IntegratorOptions& options, size_t steps) {
+int laneCount(const ChainParameters& chains, size_t steps) {
     constexpr size_t kStepsPerLane = 1024, kFewest = 8, kMost = 64;
-    if (options.lanes > 0) return options.lanes;
+    if (chains.lanes > 0) return chains.lanes;
     return static_cast<int>(std::clamp(steps / kStepsPerLane, kFewest, kMost));
 }
 
-IteratedIntegrator::IteratedIntegrator(const Scene& scene, const IntegratorOptions& options, double radius)
+IteratedIntegrator::IteratedIntegrator(const Scene& scene, const CommonOptions& options,
+                                       const MergingParameters& merging)
     : scene_(scene),
       options_(options),
       partition_(scene.camera().window(), options),
-      radius_(radius, options.radiusAlpha) {}
+      radius_(merging.radius, merging.alpha) {}
 
-void IteratedIntegrator::weighByPhotons() {
-    if (options_.correlationAware) photons_ = std::make_unique<PhotonDensity>(kPhotonCell * radius_.radius());
+void IteratedIntegrator::weighByPhotons(const WeighingParameters& weighing) {
+    if (weighing.correlationAware) photons_ = std::make_unique<PhotonDensity>(kPhotonCell * radius_.radius());
 }
 
 void IteratedIntegrator::renderPass(Film& film) {

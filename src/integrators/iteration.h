@@ -4,6 +4,7 @@
 
 #include "image/hilbert_order.h"
 #include "integrators/integrator.h"
+#include "integrators/parameter_groups.h"
 #include "integrators/pixel_importance.h"
 #include "transport/eye_pass.h"
 #include "transport/light_subpath_pass.h"
@@ -21,7 +22,7 @@ namespace metrolux::core {
 /// stratified part of the pixels, in the order of a Hilbert curve; together they cover every pixel once.
 class PixelPartition {
   public:
-    PixelPartition(const FilmWindow& window, const IntegratorOptions& options);
+    PixelPartition(const FilmWindow& window, const CommonOptions& options);
     int parts() const { return parts_; }
     std::span<const uint32_t> pixels(int part) const {
         return {pixels_.data() + starts_[part], starts_[part + 1] - starts_[part]};
@@ -60,14 +61,9 @@ inline constexpr double kPhotonCell = 8;
 void directPass(const Scene& scene, const PathLimits& limits, uint64_t seed, std::span<const uint32_t> pixels,
                 Film& film);
 
-/// First merging radius: a multiple of the mean width of a pixel's footprint on the surfaces that the camera
-/// sees (through mirrors and glass, at the first smooth surface). Falls back to a fraction of the scene if it
-/// sees none.
-double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options);
-
 /// Number of independent lanes of chains that together take `steps` steps: long chains, and enough of them
-/// for many threads. Depends on the image only, or is what the options say.
-int laneCount(const IntegratorOptions& options, size_t steps);
+/// for many threads. Depends on the image only, or is what the parameters say.
+int laneCount(const ChainParameters& chains, size_t steps);
 
 /// The light subpaths of an iteration.
 struct LightSubpathIteration {
@@ -96,10 +92,10 @@ class IteratedIntegrator : public Integrator {
     void renderPass(Film& film) final;
 
   protected:
-    /// `radius`: first merging radius; 0 without merging.
-    IteratedIntegrator(const Scene& scene, const IntegratorOptions& options, double radius);
-    /// Sets up photons_ if the options ask for it.
-    void weighByPhotons();
+    /// `merging`: of radius 0 without merging.
+    IteratedIntegrator(const Scene& scene, const CommonOptions& options, const MergingParameters& merging);
+    /// Sets up photons_ if the parameters ask for it.
+    void weighByPhotons(const WeighingParameters& weighing);
 
     /// Adds what `pixels` and as many light subpaths, from index `first` of the pass, stand for.
     virtual void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) = 0;
@@ -120,7 +116,7 @@ class IteratedIntegrator : public Integrator {
     nlohmann::json iterationStatistics() const;
 
     const Scene& scene_;
-    IntegratorOptions options_;
+    CommonOptions options_;
     PixelPartition partition_;
     RadiusSchedule radius_;
     std::unique_ptr<PhotonDensity> photons_;  ///< of Strategies; null: merges are weighted as independent

@@ -37,33 +37,23 @@ struct LightSubpathModel {
     }
 };
 
-std::string lettersOf(const ReplicaSettings& s) {
-    return std::string(s.uniform ? "u" : "") + (s.visibility ? "v" : "") + (s.contribution ? "f" : "");
-}
-
 }  // namespace
 
-ReplicaSettings replicaSettings(const IntegratorOptions& options, const std::string& letters,
-                                MutationKernel::Kind kernel, size_t samples) {
-    const std::string chosen = options.replicas.value_or(letters);
-    if (chosen.empty() || chosen.find_first_not_of(letters) != std::string::npos)
-        throw Error("replicas: found '{}', expected a combination of the letters {}", chosen,
-                    fmt::join(letters, ", "));
-    const auto has = [&](char letter) { return chosen.find(letter) != std::string::npos; };
+ReplicaSettings replicaSettings(uint64_t seed, const ReplicaParameters& parameters, size_t samples) {
+    const auto has = [&](char letter) { return parameters.replicas.find(letter) != std::string::npos; };
     ReplicaSettings s;
-    s.seed = options.seed;
-    s.kernel = options.kernel.value_or(kernel);
-    s.inefficiency = options.chainInefficiency;
-    s.lanes = laneCount(options, samples / 3);  // of each replica
+    s.seed = seed;
+    s.kernel = parameters.chains.kernel;
+    s.inefficiency = parameters.inefficiency.chainInefficiency;
+    s.lanes = laneCount(parameters.chains, samples / 3);  // of each replica
     s.uniform = has('u');
     s.visibility = has('v');
     s.contribution = has('f');
-    s.split = options.split;
-    s.measuredSplit = options.measuredSplit;
+    s.split = parameters.split.parts;
+    s.measuredSplit = parameters.split.measured;
     if (s.measuredSplit && !s.contribution)
         throw Error("split: `auto` weighs the replicas of mcmc_vcm against each other, replica f among them");
-    s.normalization = options.normalization;
-    s.pooledTheta = options.pooledTheta;
+    s.pooledTheta = parameters.pooledTheta;
     return s;
 }
 
@@ -155,9 +145,6 @@ nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaC
             {"tried", a.tried}, {"accepted", a.accepted}, {"acceptance", a.rate()}, {"theta_mean", a.theta}};
     };
     nlohmann::json j{{"lanes", settings.lanes},
-                     {"replicas", lettersOf(settings)},
-                     {"chain_inefficiency", settings.inefficiency},
-                     {"kernel", settings.kernel == MutationKernel::Kind::Adaptive ? "adaptive" : "kelemen"},
                      {"b_v", estimate(normalization.visibilityEstimate())},
                      {"visibility_chain", chain(counts.visibility)},
                      {"exchange_uniform_visibility", counts.uniformSwaps},

@@ -20,10 +20,9 @@ struct LightSubpathContribution {
     bool visible() const { return size > 0; }
 };
 
-/// Replicas and kernel from the options, `letters` being both the default and what is possible ("uvf",
-/// "uv"). `samples` in an iteration decide about the number of lanes. Throws Error for other letters.
-ReplicaSettings replicaSettings(const IntegratorOptions& options, const std::string& letters,
-                                MutationKernel::Kind kernel, size_t samples);
+/// `samples` in an iteration decide about the number of lanes. Throws Error for a measured split without the
+/// contribution replica.
+ReplicaSettings replicaSettings(uint64_t seed, const ReplicaParameters& parameters, size_t samples);
 
 /// Statistics of a set of lanes, in the form of Integrator::statistics().
 nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaCounts& counts,

@@ -23,12 +23,12 @@ void append(std::vector<Vertex>& to, const std::vector<Vertex>& from, double wei
 
 }  // namespace
 
-VisibilityDrivenSet::VisibilityDrivenSet(const IntegratorOptions& options, size_t samples)
-    : rng_(hashKey(options.seed, StreamPurpose::Seeding, 'L')), inefficiency_(options.chainInefficiency) {
-    const auto lanes = static_cast<size_t>(laneCount(options, samples));
-    const auto kind = options.kernel.value_or(MutationKernel::Kind::Kelemen);
+VisibilityDrivenSet::VisibilityDrivenSet(uint64_t seed, const ChainParameters& chains, double inefficiency,
+                                         size_t samples)
+    : rng_(hashKey(seed, StreamPurpose::Seeding, 'L')), inefficiency_(inefficiency) {
+    const auto lanes = static_cast<size_t>(laneCount(chains, samples));
     for (size_t i = 0; i < lanes; ++i)
-        lanes_.emplace_back(hashKey(options.seed, StreamPurpose::Chain, 'L', i), kind);
+        lanes_.emplace_back(hashKey(seed, StreamPurpose::Chain, 'L', i), chains.kernel);
 }
 
 void VisibilityDrivenSet::begin(size_t samples, double radius) {
@@ -142,8 +142,8 @@ nlohmann::json VisibilityDrivenSet::statistics() const {
             {"acceptance", tried ? double(accepted) / double(tried) : 0.0}};
 }
 
-ChainStateSet::ChainStateSet(const IntegratorOptions& options, double cell, size_t lanes)
-    : seed_(options.seed), visited_(lanes), chainMade_(cell), uniform_(cell) {}
+ChainStateSet::ChainStateSet(uint64_t seed, double cell, size_t lanes)
+    : seed_(seed), visited_(lanes), chainMade_(cell), uniform_(cell) {}
 
 size_t ChainStateSet::steps() const {
     size_t sum = 0;

@@ -40,7 +40,7 @@ struct LightSubpathTracing {
 /// contribution replica, since F is the business of the eye subpaths that merge with L.
 class VisibilityDrivenSet {
   public:
-    VisibilityDrivenSet(const IntegratorOptions& options, size_t samples);
+    VisibilityDrivenSet(uint64_t seed, const ChainParameters& chains, double inefficiency, size_t samples);
 
     /// Decides about the iteration to come; the result is known before anything is traced.
     void begin(size_t samples, double radius);
@@ -105,7 +105,7 @@ class VisibilityDrivenSet {
 class ChainStateSet {
   public:
     /// `cell`: edge of the cells, in scene units.
-    ChainStateSet(const IntegratorOptions& options, double cell, size_t lanes);
+    ChainStateSet(uint64_t seed, double cell, size_t lanes);
 
     /// The state of a lane after a step; the lanes may call at once.
     template <class State>

@@ -1,5 +1,4 @@
-#include "integrators/mcmc_vcm.h"
-
+#include "integrators/description.h"
 #include "integrators/light_subpath_chains.h"
 #include "integrators/resumable.h"
 
@@ -7,18 +6,54 @@ namespace metrolux::core {
 
 namespace {
 
-/// Share of the light subpaths that are connected. Connections cost as much as all else that a light subpath
-/// does, and where chains find the light that is hard to find, merging carries most of it: this share has the
-/// smallest error in the same time on most of the scenes of docs/lab/results.md ("Connections").
-constexpr double kConnections = 1.0 / 16;
+/// Kernel, replicas and all that steers them, and merging as in vcm.
+struct McmcVcmParameters {
+    /// Target F of the contribution replica.
+    enum class Target {
+        Luminance,  ///< what a light subpath adds to the image
+        Relative    ///< the same over what the image shows there (PixelImportance)
+    };
+    MergingParameters merging;
+    WeighingParameters weighing;
+    /// Connections cost as much as all else that a light subpath does, and where chains find the light that
+    /// is hard to find, merging carries most of it: this share has the smallest error in the same time on
+    /// most of the scenes of docs/lab/results.md ("Connections").
+    ConnectionParameters connections{1.0 / 16};
+    ReplicaParameters replicas{"uvf"};
+    Target target = Target::Luminance;
+    NormalizationMethod normalization = NormalizationMethod::Pooled;
 
+    template <class V>
+    void visit(V&& v) {
+        v(merging);
+        v(weighing);
+        v(connections);
+        v(replicas);
+        v("target", target,
+          Choices<Target>{{{"luminance", Target::Luminance}, {"relative", Target::Relative}}},
+          "what chains of f look for; relative: to what the image shows there so far");
+        v({"normalization", "normalisation"}, normalization,
+          Choices<NormalizationMethod>{
+              {{"pooled", NormalizationMethod::Pooled}, {"bennett", NormalizationMethod::Bennett}}},
+          "of f: from samples of u and v, or from all by Bennett's ratio; changes noise alone");
+    }
+};
+
+ReplicaSettings settingsOf(uint64_t seed, const McmcVcmParameters& parameters, size_t samples) {
+    ReplicaSettings settings = replicaSettings(seed, parameters.replicas, samples);
+    settings.normalization = parameters.normalization;
+    return settings;
+}
+
+/// Vertex connection and merging whose light subpaths come from Markov chains (Sik, Otsu, Hachisuka, Krivanek
+/// 2016; docs/explain/algorithm.md, section 3). Eye subpaths are stratified Monte Carlo.
 class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedIntegrator> {
   public:
-    McmcVcmIntegrator(const Scene& scene, const IntegratorOptions& options)
-        : Resumable(scene, options, projectedPixelRadius(scene, options)),
-          chains_(replicaSettings(options, "uvf", MutationKernel::Kind::Kelemen, partition_.pixels(0).size()),
-                  options.limits) {
-        weighByPhotons();
+    McmcVcmIntegrator(const Scene& scene, const CommonOptions& options, const McmcVcmParameters& parameters)
+        : Resumable(scene, options, parameters.merging),
+          parameters_(parameters),
+          chains_(settingsOf(options.seed, parameters, partition_.pixels(0).size()), options.limits) {
+        weighByPhotons(parameters.weighing);
     }
 
     template <class Archive>
@@ -39,26 +74,30 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         chains_.begin(pixels.size(), r);
         Strategies strategies = Strategies::bidirectional(chains_.effectiveSamples() / n,
                                                           n * std::numbers::pi * r * r, photons_.get());
-        strategies.connect = options_.connections.value_or(kConnections);
+        strategies.connect = parameters_.connections.connections;
         traceEyes(strategies, pixels, film);
         grid_.build(eyes_.all(), static_cast<float>(r));
         const LightSubpathPass light{scene_, options_.limits, strategies, eyes_, grid_, film};
-        const bool relative = options_.target == ChainTarget::Relative;
-        if (first == 0 && (relative || options_.measuredSplit)) importance_.update(film);
+        const bool relative = parameters_.target == McmcVcmParameters::Target::Relative;
+        const bool measured = parameters_.replicas.split.measured;
+        if (first == 0 && (relative || measured)) importance_.update(film);
         LightSubpathIteration iteration{film.passIndex(), first, pixels.size(), n / film.pixelCount()};
         if (relative) iteration.target = &importance_;
-        if (options_.measuredSplit) iteration.noise = &importance_;
+        if (measured) iteration.noise = &importance_;
         chains_.run(light, film, iteration, photons_.get());
     }
 
+    McmcVcmParameters parameters_;
     LightSubpathChains chains_;
     PixelImportance importance_;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> makeMcmcVcmIntegrator(const Scene& scene, const IntegratorOptions& options) {
-    return std::make_unique<McmcVcmIntegrator>(scene, options);
+IntegratorDescription mcmcVcmIntegrator() {
+    return describe<McmcVcmParameters, McmcVcmIntegrator>(
+        "mcmc_vcm", "VCM whose light subpaths come from Markov chains (default; robust on hard light)",
+        {"mlt"});
 }
 
 }  // namespace metrolux::core

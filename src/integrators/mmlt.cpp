@@ -1,5 +1,4 @@
-#include "integrators/mmlt.h"
-
+#include "integrators/description.h"
 #include "integrators/iteration.h"
 #include "integrators/path_chains.h"
 #include "integrators/resumable.h"
@@ -21,6 +20,9 @@ constexpr double kContinuation = 0.75;
 /// Share of the samples that is spread evenly over lengths, whatever the first samples say of them.
 constexpr double kEvenShare = 0.1;
 
+/// Multiplexed Metropolis light transport (Hachisuka, Kaplanyan, Dachsbacher 2014): for each path length,
+/// chains whose state also says which technique (s, t) makes the path; each technique is weighted by multiple
+/// importance sampling, so that chains prefer the technique that does well.
 class MmltIntegrator final : public Resumable<MmltIntegrator> {
   private:
     /// The integrand of paths of `length` edges; the longest stands for all that are longer.
@@ -41,14 +43,15 @@ class MmltIntegrator final : public Resumable<MmltIntegrator> {
     }
 
   public:
-    MmltIntegrator(const Scene& scene, const IntegratorOptions& options)
+    MmltIntegrator(const Scene& scene, const CommonOptions& options, const MetropolisParameters& parameters)
         : scene_(scene),
           options_(options),
           pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {
         const int maxDepth = options.limits.maxDepth;
         const int longest = maxDepth < 0 ? kLongPaths : std::min(maxDepth, kLongPaths);
         for (int length = 2; length <= longest; ++length) {
-            samplers_.emplace_back(pathSamplerOptions(options, pixels_.size() / 8, uint64_t(length)));
+            samplers_.emplace_back(
+                pathSamplerOptions(options.seed, parameters, pixels_.size() / 8, uint64_t(length)));
         }
     }
 
@@ -71,7 +74,7 @@ class MmltIntegrator final : public Resumable<MmltIntegrator> {
         for (const size_t budget : budgets_) checkState(budget <= pixels_.size(), "budgets below a pass");
     }
     nlohmann::json statistics() const override {
-        nlohmann::json j = chainStatistics(options_);
+        nlohmann::json j;
         nlohmann::json& lengths = j["lengths"] = nlohmann::json::array();
         for (size_t i = 0; i < samplers_.size(); ++i) {
             lengths.push_back(samplerStatistics(samplers_[i]));
@@ -112,7 +115,7 @@ class MmltIntegrator final : public Resumable<MmltIntegrator> {
     }
 
     const Scene& scene_;
-    IntegratorOptions options_;
+    CommonOptions options_;
     std::vector<uint32_t> pixels_;
     std::vector<PathSampler> samplers_;  ///< of lengths 2, 3, ...
     std::vector<size_t> budgets_;
@@ -120,8 +123,9 @@ class MmltIntegrator final : public Resumable<MmltIntegrator> {
 
 }  // namespace
 
-std::unique_ptr<Integrator> makeMmltIntegrator(const Scene& scene, const IntegratorOptions& options) {
-    return std::make_unique<MmltIntegrator>(scene, options);
+IntegratorDescription mmltIntegrator() {
+    return describe<MetropolisParameters, MmltIntegrator>(
+        "mmlt", "multiplexed Metropolis light transport: chains choose technique and path");
 }
 
 }  // namespace metrolux::core

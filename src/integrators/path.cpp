@@ -1,5 +1,4 @@
-#include "integrators/path.h"
-
+#include "integrators/description.h"
 #include "integrators/iteration.h"
 #include "integrators/resumable.h"
 
@@ -9,10 +8,10 @@ namespace metrolux::core {
 
 namespace {
 
-/// `path`: hit and next-event estimation. `light`: splats, and emitters that the camera sees directly.
+/// Unidirectional path tracing: hit and next-event estimation, balance heuristic.
 class PathIntegrator final : public Resumable<PathIntegrator> {
   public:
-    PathIntegrator(const Scene& scene, const IntegratorOptions& options)
+    PathIntegrator(const Scene& scene, const CommonOptions& options, const NoParameters&)
         : scene_(scene),
           options_(options),
           pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
@@ -30,14 +29,16 @@ class PathIntegrator final : public Resumable<PathIntegrator> {
 
   private:
     const Scene& scene_;
-    IntegratorOptions options_;
+    CommonOptions options_;
     std::vector<uint32_t> pixels_;
     EyeWavefronts wavefronts_;
 };
 
+/// Light tracing: every light vertex is connected to the camera; emitters seen directly are hit by eye rays.
+/// Cannot see what the camera sees through delta lobes only.
 class LightIntegrator final : public Resumable<LightIntegrator> {
   public:
-    LightIntegrator(const Scene& scene, const IntegratorOptions& options)
+    LightIntegrator(const Scene& scene, const CommonOptions& options, const NoParameters&)
         : scene_(scene),
           options_(options),
           pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
@@ -57,18 +58,20 @@ class LightIntegrator final : public Resumable<LightIntegrator> {
 
   private:
     const Scene& scene_;
-    IntegratorOptions options_;
+    CommonOptions options_;
     std::vector<uint32_t> pixels_;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> makePathIntegrator(const Scene& scene, const IntegratorOptions& options) {
-    return std::make_unique<PathIntegrator>(scene, options);
+IntegratorDescription pathIntegrator() {
+    return describe<NoParameters, PathIntegrator>("path", "path tracing with next-event estimation",
+                                                  {"direct", "volpath", "volpathmis", "volpath_simple"});
 }
 
-std::unique_ptr<Integrator> makeLightIntegrator(const Scene& scene, const IntegratorOptions& options) {
-    return std::make_unique<LightIntegrator>(scene, options);
+IntegratorDescription lightIntegrator() {
+    return describe<NoParameters, LightIntegrator>(
+        "light", "light tracing: light subpaths connected to the camera", {"ptracer"});
 }
 
 }  // namespace metrolux::core

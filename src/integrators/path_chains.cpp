@@ -1,6 +1,5 @@
 #include "integrators/path_chains.h"
 
-#include "base/error.h"
 #include "integrators/iteration.h"
 #include "sampling/streams.h"
 
@@ -13,14 +12,13 @@ namespace {
 double share(uint64_t a, uint64_t b) { return b ? double(a) / double(b) : 0.0; }
 }  // namespace
 
-MetropolisOptions pathSamplerOptions(const IntegratorOptions& options, size_t stepsPerPass, uint64_t name) {
-    if (!(options.largeStep >= 0 && options.largeStep <= 1))
-        throw Error("large-step probability: found {}, expected a number from 0 to 1", options.largeStep);
+MetropolisOptions pathSamplerOptions(uint64_t seed, const MetropolisParameters& parameters,
+                                     size_t stepsPerPass, uint64_t name) {
     MetropolisOptions result;
-    result.key = hashKey(options.seed, StreamPurpose::Chain, name);
-    result.lanes = laneCount(options, stepsPerPass);
-    result.kind = options.kernel.value_or(MutationKernel::Kind::Kelemen);
-    result.largeStep = options.largeStep;
+    result.key = hashKey(seed, StreamPurpose::Chain, name);
+    result.lanes = laneCount(parameters.chains, stepsPerPass);
+    result.kind = parameters.chains.kernel;
+    result.largeStep = parameters.largeStep;
     // A few passes' worth: what is found before the first pass should not take much longer than it.
     constexpr size_t kFewestSamples = 2048, kMostSamples = 16384;
     result.poolSamples = std::clamp(4 * stepsPerPass, kFewestSamples, kMostSamples);
@@ -46,11 +44,6 @@ nlohmann::json samplerStatistics(const PathSampler& sampler) {
         {"theta_mean", c.theta}};
     if (sampler.pool().drawn() > 1) j["b"]["standard_error"] = sampler.pool().standardError();
     return j;
-}
-
-nlohmann::json chainStatistics(const IntegratorOptions& options) {
-    return {{"kernel", options.kernel == MutationKernel::Kind::Adaptive ? "adaptive" : "kelemen"},
-            {"large_step_probability", options.largeStep}};
 }
 
 std::string acceptanceNote(const PathSampler::Counts& c) {

@@ -2,6 +2,7 @@
 /// What the integrators share whose chains make complete paths: pssmlt, mmlt, pssmlt_merge.
 
 #include "integrators/integrator.h"
+#include "integrators/parameter_groups.h"
 #include "integrators/path_pair.h"
 #include "markov/metropolis.h"
 
@@ -19,7 +20,8 @@ struct PathValue {
 using PathSampler = MetropolisSampler<PathValue>;
 
 /// Options of a sampler that takes `stepsPerPass` steps; `name` tells the integrator's samplers apart.
-MetropolisOptions pathSamplerOptions(const IntegratorOptions& options, size_t stepsPerPass, uint64_t name);
+MetropolisOptions pathSamplerOptions(uint64_t seed, const MetropolisParameters& parameters,
+                                     size_t stepsPerPass, uint64_t name);
 
 /// Evaluates a pair of subpaths, all techniques.
 inline auto evaluatorOf(const PathPair& pair) {
@@ -39,8 +41,6 @@ inline auto payTo(Film& film, double share = 1) {
 void checkPixels(const PathSampler& sampler, const FilmWindow& window);
 
 nlohmann::json samplerStatistics(const PathSampler& sampler);
-/// What the options say about chains.
-nlohmann::json chainStatistics(const IntegratorOptions& options);
 /// Acceptance rates, for the progress line.
 std::string acceptanceNote(const PathSampler::Counts& counts);
 

@@ -1,5 +1,4 @@
-#include "integrators/photon_mapping.h"
-
+#include "integrators/description.h"
 #include "integrators/light_subpath_chains.h"
 #include "integrators/resumable.h"
 
@@ -9,16 +8,41 @@ namespace metrolux::core {
 
 namespace {
 
+struct SppmParameters {
+    MergingParameters merging;
+    template <class V>
+    void visit(V&& v) {
+        v(merging);
+    }
+};
+
+struct VptParameters {
+    MergingParameters merging;
+    ReplicaParameters replicas{.possible = "uv", .chains = {MutationKernel::Kind::Adaptive}};
+    template <class V>
+    void visit(V&& v) {
+        v(merging);
+        v(replicas);
+    }
+};
+
+/// Stochastic progressive photon mapping [Hachisuka & Jensen 2009], in the formulation of [Knaus & Zwicker
+/// 2011] (one radius for all pixels, RadiusSchedule). At the first vertex of an eye subpath that has a smooth
+/// lobe, all light that this lobe scatters is estimated from photons, direct light included; emitters are
+/// seen directly and over delta lobes. With chains it is visibility-driven photon tracing [HJ11]: light
+/// subpaths are from the uniform and the visibility replica.
+///
 /// Each path has one vertex, the first from the camera that scatters it by a smooth lobe, where a photon can
 /// make it, or none, and then hit makes it (Strategies::MergeAt::FirstVertex).
 class PhotonMappingIntegrator final : public Resumable<PhotonMappingIntegrator, IteratedIntegrator> {
   public:
-    PhotonMappingIntegrator(const Scene& scene, const IntegratorOptions& options, bool chains)
-        : Resumable(scene, options, projectedPixelRadius(scene, options)) {
-        if (chains)
-            chains_.emplace(
-                replicaSettings(options, "uv", MutationKernel::Kind::Adaptive, partition_.pixels(0).size()),
-                options.limits);
+    PhotonMappingIntegrator(const Scene& scene, const CommonOptions& options,
+                            const SppmParameters& parameters)
+        : Resumable(scene, options, parameters.merging) {}
+    PhotonMappingIntegrator(const Scene& scene, const CommonOptions& options, const VptParameters& parameters)
+        : Resumable(scene, options, parameters.merging) {
+        chains_.emplace(replicaSettings(options.seed, parameters.replicas, partition_.pixels(0).size()),
+                        options.limits);
     }
 
     template <class Archive>
@@ -55,12 +79,14 @@ class PhotonMappingIntegrator final : public Resumable<PhotonMappingIntegrator, 
 
 }  // namespace
 
-std::unique_ptr<Integrator> makeSppmIntegrator(const Scene& scene, const IntegratorOptions& options) {
-    return std::make_unique<PhotonMappingIntegrator>(scene, options, false);
+IntegratorDescription sppmIntegrator() {
+    return describe<SppmParameters, PhotonMappingIntegrator>("sppm", "stochastic progressive photon mapping",
+                                                             {"ppm", "photonmapper"});
 }
 
-std::unique_ptr<Integrator> makeVptIntegrator(const Scene& scene, const IntegratorOptions& options) {
-    return std::make_unique<PhotonMappingIntegrator>(scene, options, true);
+IntegratorDescription vptIntegrator() {
+    return describe<VptParameters, PhotonMappingIntegrator>(
+        "vpt", "photon mapping whose photons are driven to where the camera sees them");
 }
 
 }  // namespace metrolux::core

@@ -1,5 +1,4 @@
-#include "integrators/pssmlt.h"
-
+#include "integrators/description.h"
 #include "integrators/iteration.h"
 #include "integrators/path_chains.h"
 #include "integrators/resumable.h"
@@ -10,13 +9,16 @@ namespace metrolux::core {
 
 namespace {
 
+/// Primary sample space Metropolis light transport [Kel02]: chains over the random numbers of bidirectional
+/// path tracing, one eye and one light subpath in each step, target the luminance of all that they
+/// contribute.
 class PssmltIntegrator final : public Resumable<PssmltIntegrator> {
   public:
-    PssmltIntegrator(const Scene& scene, const IntegratorOptions& options)
+    PssmltIntegrator(const Scene& scene, const CommonOptions& options, const MetropolisParameters& parameters)
         : scene_(scene),
           options_(options),
           pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)),
-          sampler_(pathSamplerOptions(options, pixels_.size(), 0)) {}
+          sampler_(pathSamplerOptions(options.seed, parameters, pixels_.size(), 0)) {}
 
     void renderPass(Film& film) override {
         directPass(scene_, options_.limits, options_.seed, pixels_, film);
@@ -31,24 +33,21 @@ class PssmltIntegrator final : public Resumable<PssmltIntegrator> {
         archive(sampler_);
         checkPixels(sampler_, scene_.camera().window());
     }
-    nlohmann::json statistics() const override {
-        nlohmann::json j = chainStatistics(options_);
-        j.update(samplerStatistics(sampler_));
-        return j;
-    }
+    nlohmann::json statistics() const override { return samplerStatistics(sampler_); }
     std::string progressNote() const override { return acceptanceNote(sampler_.counts()); }
 
   private:
     const Scene& scene_;
-    IntegratorOptions options_;
+    CommonOptions options_;
     std::vector<uint32_t> pixels_;
     PathSampler sampler_;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> makePssmltIntegrator(const Scene& scene, const IntegratorOptions& options) {
-    return std::make_unique<PssmltIntegrator>(scene, options);
+IntegratorDescription pssmltIntegrator() {
+    return describe<MetropolisParameters, PssmltIntegrator>(
+        "pssmlt", "primary sample space Metropolis light transport on bidirectional path tracing");
 }
 
 }  // namespace metrolux::core

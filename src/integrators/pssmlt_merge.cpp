@@ -1,6 +1,4 @@
-#include "integrators/pssmlt_merge.h"
-
-#include "base/error.h"
+#include "integrators/description.h"
 #include "integrators/light_subpath_set.h"
 #include "integrators/path_chains.h"
 #include "integrators/resumable.h"
@@ -13,26 +11,53 @@ namespace metrolux::core {
 
 namespace {
 
+/// Which light subpaths are merged with (supplement, 4.1.1).
+enum class LightSet {
+    Visibility,  ///< method B
+    States       ///< method A
+};
+
+struct PssmltMergeParameters {
+    MetropolisParameters chains;
+    MergingParameters merging;
+    WeighingParameters weighing;
+    InefficiencyParameters inefficiency;
+    LightSet method = LightSet::Visibility;
+    template <class V>
+    void visit(V&& v) {
+        v(chains);
+        v(merging);
+        v(weighing);
+        v(inefficiency);
+        v("method", method, Choices<LightSet>{{{"B", LightSet::Visibility}, {"A", LightSet::States}}},
+          "light subpaths to merge with: B from a visibility chain, A (biased) from the chains' states");
+    }
+};
+
 /// Part of an iteration's samples that are uniform and start the chains: L is another in each, and the target
 /// with it.
 constexpr double kFreshShare = 0.25;
 
-IntegratorOptions forTwoSets(IntegratorOptions options) {
+CommonOptions forTwoSets(CommonOptions options) {
     options.memoryBytes /= 2;  // the vertices of eye and of light subpaths are stored
     return options;
 }
 
+/// pssmlt whose eye subpaths are merged with a set L of light subpaths besides (supplement of Sik et al.
+/// 2016, section 4.1), weighted as in vertex connection and merging. Method B: L from a visibility-driven
+/// chain [HJ11]. Method A, experimental: L from the states of pssmlt's own chains, whose density is estimated
+/// (biased).
 class PssmltMergeIntegrator final : public Resumable<PssmltMergeIntegrator, IteratedIntegrator> {
   public:
-    PssmltMergeIntegrator(const Scene& scene, const IntegratorOptions& options)
-        : Resumable(scene, forTwoSets(options), projectedPixelRadius(scene, options)),
-          sampler_(pathSamplerOptions(options, partition_.pixels(0).size(), 0)),
-          byVisibility_(options, partition_.pixels(0).size()) {
-        if (options.mergeMethod != 'A' && options.mergeMethod != 'B')
-            throw Error("method: found '{}', expected A or B", options.mergeMethod);
-        if (options.mergeMethod == 'A')
-            byStates_.emplace(options, kPhotonCell * radius_.radius(), sampler_.lanes());
-        weighByPhotons();
+    PssmltMergeIntegrator(const Scene& scene, const CommonOptions& options,
+                          const PssmltMergeParameters& parameters)
+        : Resumable(scene, forTwoSets(options), parameters.merging),
+          sampler_(pathSamplerOptions(options.seed, parameters.chains, partition_.pixels(0).size(), 0)),
+          byVisibility_(options.seed, parameters.chains.chains, parameters.inefficiency.chainInefficiency,
+                        partition_.pixels(0).size()) {
+        if (parameters.method == LightSet::States)
+            byStates_.emplace(options.seed, kPhotonCell * radius_.radius(), sampler_.lanes());
+        weighByPhotons(parameters.weighing);
     }
 
     template <class Archive>
@@ -43,9 +68,7 @@ class PssmltMergeIntegrator final : public Resumable<PssmltMergeIntegrator, Iter
         if (byStates_) archive(*byStates_);
     }
     nlohmann::json statistics() const override {
-        nlohmann::json j = chainStatistics(options_);
-        j.update(samplerStatistics(sampler_));
-        j["method"] = std::string(1, options_.mergeMethod);
+        nlohmann::json j = samplerStatistics(sampler_);
         j.update(iterationStatistics());
         j["stored_bytes"] = j["stored_bytes"].get<size_t>() + map_.memoryBytes();
         if (!byStates_) j["light_subpaths"] = byVisibility_.statistics();
@@ -87,15 +110,17 @@ class PssmltMergeIntegrator final : public Resumable<PssmltMergeIntegrator, Iter
     }
 
     PathSampler sampler_;
-    VisibilityDrivenSet byVisibility_;        ///< method B
+    VisibilityDrivenSet byVisibility_;       ///< method B
     std::optional<ChainStateSet> byStates_;  ///< method A
     PhotonMap map_;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> makePssmltMergeIntegrator(const Scene& scene, const IntegratorOptions& options) {
-    return std::make_unique<PssmltMergeIntegrator>(scene, options);
+IntegratorDescription pssmltMergeIntegrator() {
+    return describe<PssmltMergeParameters, PssmltMergeIntegrator>(
+        "pssmlt_merge",
+        "chains of pssmlt that also merge with light subpaths from chains (method A or B of the paper)");
 }
 
 }  // namespace metrolux::core

@@ -1,67 +1,79 @@
-#include "base/error.h"
-#include "base/suggest.h"
-#include "integrators/integrator.h"
-#include "integrators/mcmc_vcm.h"
-#include "integrators/mmlt.h"
-#include "integrators/path.h"
-#include "integrators/photon_mapping.h"
-#include "integrators/pssmlt.h"
-#include "integrators/pssmlt_merge.h"
-#include "integrators/split_mcmc.h"
-#include "integrators/vcm.h"
+#include "integrators/registry.h"
 
-#include <functional>
+#include "base/suggest.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
 
 namespace metrolux::core {
 
-namespace {
+/// One line for each integrator: the function of its file that describes it.
+#define METROLUX_INTEGRATORS(X) \
+    X(mcmcVcmIntegrator)        \
+    X(vcmIntegrator)            \
+    X(bdptIntegrator)           \
+    X(pathIntegrator)           \
+    X(sppmIntegrator)           \
+    X(vptIntegrator)            \
+    X(splitMcmcIntegrator)      \
+    X(lightIntegrator)          \
+    X(pssmltIntegrator)         \
+    X(mmltIntegrator)           \
+    X(pssmltMergeIntegrator)
 
-struct Entry {
-    const char* name;
-    const char* description;
-    std::unique_ptr<Integrator> (*make)(const Scene&, const IntegratorOptions&);
-};
+#define METROLUX_DECLARE(function) IntegratorDescription function();
+METROLUX_INTEGRATORS(METROLUX_DECLARE)
+#undef METROLUX_DECLARE
 
-constexpr Entry kIntegrators[] = {
-    {"mcmc_vcm", "VCM whose light subpaths come from Markov chains (default; robust on hard light)",
-     makeMcmcVcmIntegrator},
-    {"vcm", "vertex connection and merging, independent light subpaths", makeVcmIntegrator},
-    {"bdpt", "bidirectional path tracing", makeBdptIntegrator},
-    {"path", "path tracing with next-event estimation", makePathIntegrator},
-    {"sppm", "stochastic progressive photon mapping", makeSppmIntegrator},
-    {"vpt", "photon mapping whose photons are driven to where the camera sees them", makeVptIntegrator},
-    {"split_mcmc", "VCM with eye and light subpaths from separate visibility-driven chains",
-     makeSplitMcmcIntegrator},
-    {"light", "light tracing: light subpaths connected to the camera", makeLightIntegrator},
-    {"pssmlt", "primary sample space Metropolis light transport on bidirectional path tracing",
-     makePssmltIntegrator},
-    {"mmlt", "multiplexed Metropolis light transport: chains choose technique and path", makeMmltIntegrator},
-    {"pssmlt_merge", "pssmlt that also merges with light subpaths from chains (method A or B of the paper)",
-     makePssmltMergeIntegrator},
-};
-
-}  // namespace
-
-std::vector<std::pair<std::string, std::string>> integratorList() {
-    std::vector<std::pair<std::string, std::string>> result;
-    for (const Entry& e : kIntegrators) result.emplace_back(e.name, e.description);
-    return result;
+const std::vector<IntegratorDescription>& integratorList() {
+#define METROLUX_CALL(function) function(),
+    static const std::vector<IntegratorDescription> list{METROLUX_INTEGRATORS(METROLUX_CALL)};
+#undef METROLUX_CALL
+    return list;
 }
 
-Film makeFilm(const Scene& scene) {
-    return {scene.camera().window(), ReconstructionFilter(scene.parts().filterKind, scene.parts().filter)};
+const IntegratorDescription& findIntegrator(const std::string& name) {
+    std::vector<std::string> names;
+    for (const IntegratorDescription& integrator : integratorList()) {
+        if (integrator.name == name) return integrator;
+        names.push_back(integrator.name);
+    }
+    const std::string nearest = nearestName(name, names);
+    throw Error("unknown integrator '{}'{}; known: {}", name,
+                nearest.empty() ? "" : fmt::format(", did you mean '{}'?", nearest), fmt::join(names, ", "));
+}
+
+std::vector<std::string> integratorsWith(const std::string& parameter) {
+    std::vector<std::string> names;
+    for (const IntegratorDescription& integrator : integratorList())
+        if (ParameterSet(integrator.parameters).find(parameter)) names.push_back(integrator.name);
+    return names;
+}
+
+ParameterSet parameterSet(const IntegratorDescription& integrator, const ParameterValues& values) {
+    ParameterSet set(integrator.parameters);
+    for (const auto& [name, value] : values) {
+        try {
+            set.set(name, value);
+        } catch (const Error& problem) {
+            throw Error("integrator {}: {}", integrator.name, problem.what());
+        }
+    }
+    return set;
+}
+
+nlohmann::json toJson(const ParameterSet& parameters) {
+    nlohmann::json j = nlohmann::json::object();
+    for (const ParameterInfo& info : parameters.list())
+        std::visit([&](const auto& value) { j[info.name] = value; }, parameters.get(info.name));
+    return j;
 }
 
 std::unique_ptr<Integrator> makeIntegrator(const std::string& name, const Scene& scene,
-                                           const IntegratorOptions& options) {
-    std::vector<std::string> names;
-    for (const Entry& e : kIntegrators) {
-        if (name == e.name) return e.make(scene, options);
-        names.emplace_back(e.name);
-    }
-    const std::string near = nearestName(name, names);
-    throw Error("unknown integrator '{}'{}; known: {}", name,
-                near.empty() ? "" : fmt::format(", did you mean '{}'?", near), fmt::join(names, ", "));
+                                           const CommonOptions& options, const ParameterValues& values) {
+    const IntegratorDescription& integrator = findIntegrator(name);
+    return integrator.prepare(scene, options, parameterSet(integrator, values))(options.seed);
 }
 
 }  // namespace metrolux::core

@@ -1,5 +1,4 @@
-#include "integrators/split_mcmc.h"
-
+#include "integrators/description.h"
 #include "integrators/eye_chains.h"
 #include "integrators/resumable.h"
 
@@ -7,14 +6,30 @@ namespace metrolux::core {
 
 namespace {
 
+struct SplitMcmcParameters {
+    MergingParameters merging;
+    WeighingParameters weighing;
+    ReplicaParameters replicas{.possible = "uv", .chains = {MutationKernel::Kind::Adaptive}};
+    template <class V>
+    void visit(V&& v) {
+        v(merging);
+        v(weighing);
+        v(replicas);
+    }
+};
+
+/// Vertex connection and merging of eye and light subpaths that each come from visibility-driven chains
+/// (supplement of [Sik16], section 4.2). A light subpath is visible if it touches a pixel, an eye subpath if
+/// one of its vertices lies within the merging radius of a light vertex of the last iteration.
 class SplitMcmcIntegrator final : public Resumable<SplitMcmcIntegrator, IteratedIntegrator> {
   public:
-    SplitMcmcIntegrator(const Scene& scene, const IntegratorOptions& options)
-        : Resumable(scene, options, projectedPixelRadius(scene, options)),
-          light_(settings(), options.limits),
-          eye_(settings(), scene.camera().window()) {
+    SplitMcmcIntegrator(const Scene& scene, const CommonOptions& options,
+                        const SplitMcmcParameters& parameters)
+        : Resumable(scene, options, parameters.merging),
+          light_(settings(parameters.replicas), options.limits),
+          eye_(settings(parameters.replicas), scene.camera().window()) {
         light_.keepTrails = true;
-        weighByPhotons();
+        weighByPhotons(parameters.weighing);
     }
 
     template <class Archive>
@@ -33,8 +48,8 @@ class SplitMcmcIntegrator final : public Resumable<SplitMcmcIntegrator, Iterated
     std::string progressNote() const override { return light_.progressNote(); }
 
   private:
-    ReplicaSettings settings() const {
-        return replicaSettings(options_, "uv", MutationKernel::Kind::Adaptive, partition_.pixels(0).size());
+    ReplicaSettings settings(const ReplicaParameters& parameters) const {
+        return replicaSettings(options_.seed, parameters, partition_.pixels(0).size());
     }
 
     /// Per light subpath, with boosts q_E and q_L of eye and light subpaths' densities: n_E q_E hits and nee,
@@ -73,8 +88,9 @@ class SplitMcmcIntegrator final : public Resumable<SplitMcmcIntegrator, Iterated
 
 }  // namespace
 
-std::unique_ptr<Integrator> makeSplitMcmcIntegrator(const Scene& scene, const IntegratorOptions& options) {
-    return std::make_unique<SplitMcmcIntegrator>(scene, options);
+IntegratorDescription splitMcmcIntegrator() {
+    return describe<SplitMcmcParameters, SplitMcmcIntegrator>(
+        "split_mcmc", "VCM with eye and light subpaths from separate visibility-driven chains");
 }
 
 }  // namespace metrolux::core

@@ -1,5 +1,4 @@
-#include "integrators/vcm.h"
-
+#include "integrators/description.h"
 #include "integrators/iteration.h"
 #include "integrators/resumable.h"
 
@@ -9,12 +8,32 @@ namespace metrolux::core {
 
 namespace {
 
+struct VcmParameters {
+    MergingParameters merging;
+    WeighingParameters weighing;
+    ConnectionParameters connections;
+    template <class V>
+    void visit(V&& v) {
+        v(merging);
+        v(weighing);
+        v(connections);
+    }
+};
+
+/// Vertex connection and merging [Geo12, HPJ12]: all techniques of docs/explain/algorithm.md section 1,
+/// independent light subpaths. Without merging it is bidirectional path tracing [VG94, VG95].
 class VcmIntegrator final : public Resumable<VcmIntegrator, IteratedIntegrator> {
   public:
-    VcmIntegrator(const Scene& scene, const IntegratorOptions& options, bool merge)
-        : Resumable(scene, options, merge ? projectedPixelRadius(scene, options) : 0), merge_(merge) {
-        if (merge) weighByPhotons();
+    VcmIntegrator(const Scene& scene, const CommonOptions& options, const VcmParameters& parameters)
+        : Resumable(scene, options, parameters.merging),
+          connections_(parameters.connections.connections),
+          merge_(true) {
+        weighByPhotons(parameters.weighing);
     }
+    VcmIntegrator(const Scene& scene, const CommonOptions& options, const ConnectionParameters& parameters)
+        : Resumable(scene, options, MergingParameters{0}),
+          connections_(parameters.connections),
+          merge_(false) {}
 
     template <class Archive>
     void serialize(Archive& archive) {
@@ -27,7 +46,7 @@ class VcmIntegrator final : public Resumable<VcmIntegrator, IteratedIntegrator> 
         const double n = double(pixels.size()), r = radius_.radius();
         Strategies strategies =
             Strategies::bidirectional(1, merge_ ? n * std::numbers::pi * r * r : 0, photons_.get());
-        strategies.connect = options_.connections.value_or(1);
+        strategies.connect = connections_;
         traceEyes(strategies, pixels, film);
         if (merge_) grid_.build(eyes_.all(), static_cast<float>(r));
 
@@ -38,17 +57,19 @@ class VcmIntegrator final : public Resumable<VcmIntegrator, IteratedIntegrator> 
         if (photons_) photons_->endIteration(n);
     }
 
+    double connections_;
     bool merge_;
 };
 
 }  // namespace
 
-std::unique_ptr<Integrator> makeVcmIntegrator(const Scene& scene, const IntegratorOptions& options) {
-    return std::make_unique<VcmIntegrator>(scene, options, true);
+IntegratorDescription vcmIntegrator() {
+    return describe<VcmParameters, VcmIntegrator>(
+        "vcm", "vertex connection and merging, independent light subpaths");
 }
 
-std::unique_ptr<Integrator> makeBdptIntegrator(const Scene& scene, const IntegratorOptions& options) {
-    return std::make_unique<VcmIntegrator>(scene, options, false);
+IntegratorDescription bdptIntegrator() {
+    return describe<ConnectionParameters, VcmIntegrator>("bdpt", "bidirectional path tracing");
 }
 
 }  // namespace metrolux::core

@@ -155,6 +155,12 @@ class Loader {
 
 }  // namespace
 
+void refuseWarnings(const SceneParts& parts) {
+    if (parts.warnings.empty()) return;
+    const size_t more = parts.warnings.size() - 1;
+    throw Error("{}{}", parts.warnings.front(), more ? fmt::format(" (and {} more warnings)", more) : "");
+}
+
 SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,
                      std::vector<std::filesystem::path>* files) {
     const uint64_t machine = physicalMemoryBytes();
@@ -163,10 +169,7 @@ SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& optio
                                                   : MemoryBudget::unlimited();
     Loader loader(parseScene(file, options.defines, options.lenient, &memory), options, memory);
     SceneParts parts = loader.run(file.string());
-    if (options.strict && !parts.warnings.empty()) {
-        const size_t more = parts.warnings.size() - 1;
-        throw Error("{}{}", parts.warnings.front(), more ? fmt::format(" (and {} more warnings)", more) : "");
-    }
+    if (options.strict) refuseWarnings(parts);
     if (files) {
         files->assign(1, file);
         for (const std::filesystem::path& read : loader.files())

@@ -20,6 +20,9 @@ struct LoadOptions {
     int cropX = 0, cropY = 0, cropWidth = 0, cropHeight = 0;  ///< --crop, pixels of the full image
 };
 
+/// What `strict` does with the warnings so far: throws the first as an Error.
+void refuseWarnings(const SceneParts& parts);
+
 /// Reads a Mitsuba XML scene. Throws Error. `files`, if given, receives the names of all files that were
 /// read, the scene's first.
 SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,

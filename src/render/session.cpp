@@ -11,8 +11,6 @@
 #include <spdlog/spdlog.h>
 #include <tbb/task_arena.h>
 
-#include <map>
-
 namespace metrolux::core {
 namespace {
 
@@ -20,17 +18,19 @@ nlohmann::json numberOrNull(double value) {
     return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
 
-/// The integrators of streams. The merging radius, for which the scene is probed, is found once.
-StreamedIntegrator::Make streamMaker(const Scene& scene, const SessionOptions& options) {
-    IntegratorOptions integrator = options.integratorOptions;
-    if (options.streams.count > 1) integrator.radius = projectedPixelRadius(scene, integrator);
-    const std::string name = integratorName(options.integrator, scene);
+/// The integrators of streams. What the scene is probed for is found once.
+StreamedIntegrator::Make streamMaker(const Scene& scene, const SessionOptions& options,
+                                     const IntegratorChoice& choice) {
+    const IntegratorFactory make = choice.integrator->prepare(scene, options.common, choice.parameters);
     const uint32_t count = options.streams.count;
-    return [&scene, integrator, name, count](uint32_t stream) {
-        IntegratorOptions own = integrator;
-        own.seed = streamSeed(integrator.seed, stream, count);
-        return makeIntegrator(name, scene, own);
+    return [make, seed = options.common.seed, count](uint32_t stream) {
+        return make(streamSeed(seed, stream, count));
     };
+}
+
+SessionOptions withIntegrator(SessionOptions options, const std::string& name) {
+    options.integrator = name;
+    return options;
 }
 
 /// `limits.passes` as those of the chosen streams.
@@ -41,69 +41,42 @@ RenderLimits limitsOfChoice(RenderLimits limits, const StreamChoice& choice) {
 
 }  // namespace
 
-std::string integratorForScene(const std::string& sceneType) {
-    for (const auto& [name, description] : integratorList())
-        if (name == sceneType) return name;
-    static const std::map<std::string, std::string> kMitsubaTypes{
-        {"path", "path"},         {"volpath", "path"},  {"volpathmis", "path"}, {"direct", "path"},
-        {"ptracer", "light"},     {"bdpt", "bdpt"},     {"sppm", "sppm"},       {"ppm", "sppm"},
-        {"photonmapper", "sppm"}, {"pssmlt", "pssmlt"}, {"mlt", "mcmc_vcm"},    {"vcm", "vcm"},
-    };
-    const auto found = kMitsubaTypes.find(sceneType);
-    if (found == kMitsubaTypes.end())
-        throw Error("the scene's integrator '{}' has no counterpart here; choose one with --integrator",
-                    sceneType);
-    return found->second;
-}
-
-std::string integratorName(const std::string& chosen, const Scene& scene) {
-    return chosen == "scene" ? integratorForScene(scene.parts().integrator) : chosen;
-}
-
 RenderSession::RenderSession(const Scene& scene, SessionOptions options)
-    : RenderSession(scene, options, streamMaker(scene, options)) {}
+    : RenderSession(scene, options,
+                    chooseIntegrator(options.integrator, scene.parts().integrator, options.parameters)) {}
+
+RenderSession::RenderSession(const Scene& scene, SessionOptions options, const IntegratorChoice& choice)
+    : RenderSession(scene, withIntegrator(options, choice.name()), toJson(choice.parameters),
+                    streamMaker(scene, options, choice)) {}
 
 RenderSession::RenderSession(const Scene& scene, SessionOptions options,
                              std::unique_ptr<Integrator> integrator)
-    : RenderSession(scene, std::move(options),
+    : RenderSession(scene, std::move(options), nlohmann::json::object(),
                     [made = std::make_shared<std::unique_ptr<Integrator>>(std::move(integrator))](uint32_t) {
                         return std::move(*made);
                     }) {}
 
-RenderSession::RenderSession(const Scene& scene, SessionOptions options, StreamedIntegrator::Make make)
+RenderSession::RenderSession(const Scene& scene, SessionOptions options, nlohmann::json parameters,
+                             StreamedIntegrator::Make make)
     : scene_(scene),
       options_(std::move(options)),
+      parameters_(std::move(parameters)),
       outputs_(options_.outputs, options_.display, options_.overwrite),
       film_(makeFilm(scene)),
       integrator_(std::move(make), options_.streams, options_.limits.passes) {
-    options_.integrator = integratorName(options_.integrator, scene);
     if (!options_.checkpoint.file.empty() && options_.rank == 0) checkWritable(options_.checkpoint.file);
 }
 
 nlohmann::json RenderSession::identity() const {
-    const IntegratorOptions& o = options_.integratorOptions;
+    const CommonOptions& o = options_.common;
     const FilmWindow& w = scene_.camera().window();
-    nlohmann::json algorithm{
-        {"integrator", options_.integrator},
-        {"seed", o.seed},
-        {"max_depth", o.limits.maxDepth},
-        {"roulette_depth", o.limits.rouletteDepth},
-        {"hide_emitters", o.limits.hideEmitters},
-        {"radius", o.radius},
-        {"radius_alpha", o.radiusAlpha},
-        {"large_step", o.largeStep},
-        {"chain_inefficiency", o.chainInefficiency},
-        {"correlation_aware", o.correlationAware},
-        {"method", std::string(1, o.mergeMethod)},
-        {"split", o.measuredSplit ? nlohmann::json("auto") : nlohmann::json(o.split)},
-        {"target", o.target == ChainTarget::Relative ? "relative" : "luminance"},
-        {"normalization", o.normalization == NormalizationMethod::Bennett ? "bennett" : "pooled"},
-        {"theta", o.pooledTheta ? "pooled" : "lane"},
-        {"lanes", o.lanes},
-        {"iterations_per_pass", PixelPartition(w, o).parts()}};
-    if (o.connections) algorithm["connections"] = *o.connections;
-    if (o.kernel) algorithm["kernel"] = *o.kernel == MutationKernel::Kind::Adaptive ? "adaptive" : "kelemen";
-    if (o.replicas) algorithm["replicas"] = *o.replicas;
+    const nlohmann::json algorithm{{"integrator", options_.integrator},
+                                   {"parameters", parameters_},
+                                   {"seed", o.seed},
+                                   {"max_depth", o.limits.maxDepth},
+                                   {"roulette_depth", o.limits.rouletteDepth},
+                                   {"hide_emitters", o.limits.hideEmitters},
+                                   {"iterations_per_pass", PixelPartition(w, o).parts()}};
     return {{"version", options_.version},
             {"scene", options_.checkpoint.scene},
             {"window", {w.x, w.y, w.width, w.height}},
@@ -236,7 +209,7 @@ RenderedFrame RenderSession::frame(const Snapshot& now) const {
         {"metrolux:integrator", options_.integrator},
         {"metrolux:passes", static_cast<int>(report.passes)},
         {"metrolux:seconds", report.seconds},
-        {"metrolux:seed", std::to_string(options_.integratorOptions.seed)},
+        {"metrolux:seed", std::to_string(options_.common.seed)},
         {"metrolux:window",
          fmt::format("{}x{} at {},{} of {}x{}", w.width, w.height, w.x, w.y, w.fullWidth, w.fullHeight)},
     };
@@ -262,7 +235,8 @@ nlohmann::json RenderSession::statistics(const Snapshot& now, StopReason reason)
         {"version", options_.version},
         {"scene", scene_.parts().source},
         {"integrator", options_.integrator},
-        {"seed", options_.integratorOptions.seed},
+        {"parameters", parameters_},
+        {"seed", options_.common.seed},
         {"threads", threads},
         {"window", {{"x", w.x}, {"y", w.y}, {"width", w.width}, {"height", w.height}}},
         {"image", {{"width", w.fullWidth}, {"height", w.fullHeight}}},

@@ -1,6 +1,7 @@
 #pragma once
 /// Renders a scene from the first pass to the files on disk.
 
+#include "integrators/scene_choice.h"
 #include "render/aov.h"
 #include "render/checkpoint.h"
 #include "render/output.h"
@@ -23,8 +24,9 @@ struct CheckpointOptions {
 };
 
 struct SessionOptions {
-    std::string integrator = "mcmc_vcm";  ///< a name of integratorList(), or "scene" for what the scene names
-    IntegratorOptions integratorOptions;
+    std::string integrator = kDefaultIntegrator;  ///< as for chooseIntegrator()
+    ParameterValues parameters;                   ///< in place of the scene's and of the defaults
+    CommonOptions common;
     RenderLimits limits;
     std::vector<std::filesystem::path> outputs;
     OutputSet::Display display;
@@ -44,12 +46,6 @@ struct SessionResult {
     std::string checkpointFailure;    ///< of the last checkpoint; empty: it is there, or none was wanted
     nlohmann::json statistics;
 };
-
-/// The integrator that stands for a Mitsuba integrator type ("direct" -> "path", "ptracer" -> "light" ...).
-/// Names of this program's integrators stand for themselves. Throws Error for what it does not know.
-std::string integratorForScene(const std::string& sceneType);
-/// A name of integratorList(): `chosen`, or what the scene names where that is "scene". Throws Error.
-std::string integratorName(const std::string& chosen, const Scene& scene);
 
 /// Contributions that were not finite, by technique, for statistics.
 nlohmann::json nonFiniteCounts(const Film& film);
@@ -79,7 +75,9 @@ class RenderSession {
     void restore(Checkpoint checkpoint);
 
   private:
-    RenderSession(const Scene& scene, SessionOptions options, StreamedIntegrator::Make make);
+    RenderSession(const Scene& scene, SessionOptions options, const IntegratorChoice& choice);
+    RenderSession(const Scene& scene, SessionOptions options, nlohmann::json parameters,
+                  StreamedIntegrator::Make make);
     /// What has been rendered, by this process or by a team.
     struct Snapshot {
         const Film& film;
@@ -102,6 +100,7 @@ class RenderSession {
 
     const Scene& scene_;
     SessionOptions options_;
+    nlohmann::json parameters_;  ///< of the integrator, by name
     OutputSet outputs_;
     Film film_;
     StreamedIntegrator integrator_;

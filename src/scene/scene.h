@@ -6,6 +6,7 @@
 #include "geometry/shape.h"
 #include "image/filter.h"
 #include "scattering/bsdf.h"
+#include "scene/scene_integrator.h"
 
 #include <memory>
 #include <string>
@@ -35,7 +36,7 @@ struct SceneParts {
     std::vector<LightPtr> lights;  ///< all lights, area lights included
     CameraPtr camera;
     PathLimits limits;
-    std::string integrator = "path";  ///< type named by the scene, for `-i scene`
+    SceneIntegrator integrator;
     ReconstructionFilter::Kind filterKind = ReconstructionFilter::Kind::Gaussian;
     ReconstructionFilter::Parameters filter;
     std::vector<std::string>

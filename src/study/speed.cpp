@@ -52,7 +52,8 @@ struct Renderer {
     std::unique_ptr<Integrator> integrator;
 
     Renderer(const Scene& scene, const SpeedOptions& o)
-        : film(makeFilm(scene)), integrator(makeIntegrator(o.integrator, scene, o.options)) {}
+        : film(makeFilm(scene)),
+          integrator(o.choice.integrator->prepare(scene, o.options, o.choice.parameters)(o.options.seed)) {}
 
     Lap pass(int threads) {
         ThreadLimit limit(threads);
@@ -146,7 +147,7 @@ nlohmann::json measurePasses(const Scene& scene, const SpeedOptions& o) {
     }
 
     const double rays = median(intersect) + median(occlusion);
-    nlohmann::json j{{"integrator", o.integrator},
+    nlohmann::json j{{"integrator", o.choice.name()},
                      {"passes", o.passes},
                      {"pixels", recorded.film.pixelCount()},
                      {"rays_per_pass", {{"intersect", median(intersect)}, {"occlusion", median(occlusion)}}},
@@ -167,6 +168,14 @@ nlohmann::json measurePasses(const Scene& scene, const SpeedOptions& o) {
 
 namespace {
 
+/// The first merging radius of the integrator, or what it is by default where it has none.
+double radiusOf(const Scene& scene, const SpeedOptions& o) {
+    MergingParameters merging;
+    if (o.choice.parameters.find("radius")) merging = o.choice.parameters.as<MergingParameters>();
+    merging.resolve(scene, o.options.limits);
+    return merging.radius;
+}
+
 /// Eye and light passes of vcm with techniques left out: differences of their times are what these cost.
 class TechniqueBench {
   public:
@@ -174,7 +183,7 @@ class TechniqueBench {
         : scene_(scene),
           o_(o),
           film_(makeFilm(scene)),
-          radius_(projectedPixelRadius(scene, o.options)),
+          radius_(radiusOf(scene, o)),
           pixels_(hilbertOrder(film_.width(), film_.height())),
           photons_(kPhotonCell * radius_) {
         const double n = double(pixels_.size());

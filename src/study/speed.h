@@ -1,7 +1,7 @@
 #pragma once
 /// What a renderer's time goes to: `metrolux bench`, docs/reference/bench.md.
 
-#include "integrators/integrator.h"
+#include "integrators/scene_choice.h"
 
 #include <nlohmann/json.hpp>
 
@@ -10,8 +10,8 @@
 namespace metrolux::core::study {
 
 struct SpeedOptions {
-    std::string integrator = "mcmc_vcm";  ///< a name of integratorList()
-    IntegratorOptions options;
+    IntegratorChoice choice;
+    CommonOptions options;
     int threads = 2;
     uint32_t passes = 5;  ///< rounds that are measured; each measures a pass in every way once
     uint32_t warmUp = 3;  ///< passes before them: the chains of mcmc_vcm start with the third

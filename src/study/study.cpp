@@ -3,7 +3,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "geometry/intersector.h"
-#include "render/session.h"
+#include "integrators/scene_choice.h"
 
 #include <spdlog/spdlog.h>
 
@@ -36,8 +36,8 @@ class Stopwatch {
     double start_, paused_ = 0;
 };
 
-IntegratorOptions optionsFor(const Scene& scene, const Entrant& entrant, uint64_t seed) {
-    IntegratorOptions options = entrant.options;
+CommonOptions optionsFor(const Scene& scene, const Entrant& entrant, uint64_t seed) {
+    CommonOptions options = entrant.options;
     options.seed = seed;
     options.limits = scene.parts().limits;
     if (entrant.maxDepth) options.limits.maxDepth = *entrant.maxDepth;
@@ -58,8 +58,10 @@ Run render(const Scene& scene, const Entrant& entrant, uint64_t seed, RenderLimi
     run.seed = seed;
     Film film = makeFilm(scene);
     ProgressReporter progress(surroundings.progress);
+    const IntegratorChoice choice =
+        chooseIntegrator(entrant.integrator, scene.parts().integrator, entrant.parameters);
     const auto integrator =
-        makeIntegrator(integratorName(entrant.integrator, scene), scene, optionsFor(scene, entrant, seed));
+        choice.integrator->prepare(scene, optionsFor(scene, entrant, seed), choice.parameters)(seed);
     run.setupSeconds = watch.seconds();
     if (limits.seconds > 0) limits.seconds = std::max(limits.seconds - run.setupSeconds, 1e-9);
     Intersector::resetStatistics();

@@ -15,10 +15,11 @@ namespace metrolux::core::study {
 /// One of the integrators that are compared, with its options.
 struct Entrant {
     std::string label;                  ///< as the user wrote it: "mcmc_vcm:kernel=adaptive"
-    std::string integrator;             ///< a name of integratorList(), or "scene"
-    IntegratorOptions options;          ///< seed and limits are set for each run
+    std::string integrator;             ///< as for chooseIntegrator()
+    ParameterValues parameters;         ///< in place of the scene's and of the defaults
+    CommonOptions options;              ///< seed and limits are set for each run
     std::optional<int> maxDepth;        ///< in place of the scene's
-    std::vector<std::string> settings;  ///< the command-line words that `options` came from
+    std::vector<std::string> settings;  ///< the command-line words that parameters and options came from
 };
 
 /// What "seconds" are.

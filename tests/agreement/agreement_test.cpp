@@ -32,7 +32,6 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <optional>
 
 namespace metrolux::core {
 namespace {
@@ -49,7 +48,7 @@ struct Run {
     int passes = 0;  ///< for each seed
     std::string integrator;
     double radiusFactor = kRadiusFactor;
-    std::optional<MutationKernel::Kind> kernel = {};
+    ParameterValues parameters = {};
 };
 /// By name; an integrator that is absent cannot find all the light, or not decide in reasonable time.
 using Runs = std::map<std::string, Run>;
@@ -82,11 +81,10 @@ const Runs kPhotonMapping{{"sppm", run("sppm", 16)}, {"vpt", run("vpt", 16)}};
 /// Where light is not so rare that chains of some thousand steps still depend on a few starts.
 const Runs kPathChains{
     {"pssmlt", run("pssmlt", 16)}, {"mmlt", run("mmlt", 16)}, {"pssmlt_merge", run("pssmlt_merge", 16)}};
-const Runs kAdaptive{{"pssmlt, adaptive", {16, "pssmlt", kRadiusFactor, MutationKernel::Kind::Adaptive}}};
+const Runs kAdaptive{{"pssmlt, adaptive", {16, "pssmlt", kRadiusFactor, {{"kernel", "adaptive"}}}}};
 
 /// With small steps, chains that are not left to themselves show it best.
-const Runs kSplitKelemen{
-    {"split_mcmc, kelemen", {12, "split_mcmc", kRadiusFactor, MutationKernel::Kind::Kelemen}}};
+const Runs kSplitKelemen{{"split_mcmc, kelemen", {12, "split_mcmc", kRadiusFactor, {{"kernel", "kelemen"}}}}};
 
 const Runs kConnections{{"path", run("path", 32)}, {"bdpt", run("bdpt", 16)}, {"vcm", run("vcm", 16)}};
 
@@ -165,7 +163,7 @@ TEST_P(Agreement, OfPairs) {
     for (const auto& [name, r] : c.runs) {
         BlockStatistics& b = blocks.try_emplace(name, kWidth, kHeight, kColumns, kRows).first->second;
         for (const auto& image :
-             scene.renderSeeds(r.integrator, r.passes, 1000, kSeeds, r.radiusFactor, r.kernel))
+             scene.renderSeeds(r.integrator, r.passes, 1000, kSeeds, r.radiusFactor, r.parameters))
             b.add(image);
     }
 

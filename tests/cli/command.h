@@ -1,6 +1,7 @@
 #pragma once
 /// Runs the metrolux program as a user does.
 
+#include "integrators/registry.h"
 #include "support/temporary_folder.h"
 
 #include <gtest/gtest.h>
@@ -22,6 +23,13 @@ struct Outcome {
     int status = -1;  ///< exit status; 128 + signal if a signal ended it
     std::string out, err;
 };
+
+/// Names of all integrators.
+inline Words integratorNames() {
+    Words names;
+    for (const IntegratorDescription& integrator : integratorList()) names.push_back(integrator.name);
+    return names;
+}
 
 /// A running program. Its working directory is `folder`; output goes to files there.
 class Command {

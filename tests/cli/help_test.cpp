@@ -1,11 +1,15 @@
 #include "command.h"
+#include "paths.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
+#include <fstream>
+
 namespace metrolux::core::cli {
 namespace {
 
+namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -39,11 +43,20 @@ TEST_F(CliTest, WithoutACommandItShowsHelpAndFails) {
 }
 
 TEST_F(CliTest, IntegratorsAreListed) {
-    const Outcome outcome = run({"integrators"});
+    Outcome outcome = run({"integrators"});
     EXPECT_EQ(outcome.status, 0);
-    for (const char* name : {"mcmc_vcm", "vcm", "bdpt", "path", "light", "sppm", "vpt", "split_mcmc",
-                             "pssmlt", "mmlt", "pssmlt_merge"})
-        EXPECT_THAT(outcome.out, HasSubstr(name));
+    outcome.out.insert(0, "\n");
+    for (const std::string& name : integratorNames())
+        EXPECT_THAT(outcome.out, HasSubstr("\n" + name + " ")) << "each begins a line";
+    EXPECT_THAT(run({"integrators", "pssmlt"}).out, AllOf(HasSubstr("--large-step X"), HasSubstr("p_large")));
+    EXPECT_THAT(run({"integrators", "psmlt"}).err, HasSubstr("did you mean 'pssmlt'?"));
+}
+
+TEST_F(CliTest, ThePageOfParametersIsThatOfTheProgram) {
+    std::ifstream file(fs::path(METROLUX_SOURCE_DIR) / "docs/reference/parameters.md");
+    const std::string page((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    EXPECT_EQ(run({"integrators", "--markdown"}).out, page)
+        << "metrolux integrators --markdown > docs/reference/parameters.md";
 }
 
 TEST_F(CliTest, InfoShowsWhatWasUnderstood) {
@@ -111,12 +124,16 @@ TEST_F(CliTest, WrongOptionsFailWithStatus2AndSayWhatIsWrong) {
         {{"render", "scene.xml", "--crop", "20,0,10,10", "--passes", "1"}, "crop"},
         {{"render", "scene.xml", "--memory", "4X"}, "4X"},
         {{"render", "scene.xml", "--curve", "aces"}, "aces"},
-        {{"render", "scene.xml", "--replicas", "uvw"}, "uvw"},
-        {{"render", "scene.xml", "--split", "1/0/1"}, "--split 1/0/1"},
-        {{"render", "scene.xml", "--split", "1/2"}, "--split 1/2"},
-        {{"render", "scene.xml", "--split", "1/2/3x"}, "--split 1/2/3x"},
+        {{"render", "scene.xml", "--replicas", "uvw"}, "--replicas: found 'uvw', expected some of"},
+        {{"render", "scene.xml", "--replicas", "uvf", "-i", "vpt"}, "--replicas: found 'uvf'"},
+        {{"render", "scene.xml", "--radius", "-1"}, "--radius: found '-1', expected a number of 0 or more"},
+        {{"render", "scene.xml", "--lanes", "2.5"}, "--lanes: found '2.5', expected a whole number from"},
+        {{"render", "scene.xml", "--split", "1/0/1"}, "--split: found '1/0/1'"},
+        {{"render", "scene.xml", "--split", "1/2"}, "--split: found '1/2'"},
+        {{"render", "scene.xml", "--split", "1/2/3x"}, "--split: found '1/2/3x'"},
         {{"render", "scene.xml", "--split", "automatic"}, "expected `auto`"},
-        {{"render", "scene.xml", "--split", "auto", "-i", "vpt", "--passes", "1"}, "replica f"},
+        {{"render", "scene.xml", "--split", "auto", "-i", "vpt", "--passes", "1"}, "--split: found 'auto'"},
+        {{"render", "scene.xml", "--split", "auto", "--replicas", "uv", "--passes", "1"}, "replica f"},
         {{"render", "scene.xml", "--target", "brightness"}, "--target"},
         {{"render", "scene.xml", "--normalization", "none"}, "--normalization"},
         {{"render", "scene.xml", "--theta", "1"}, "--theta"},

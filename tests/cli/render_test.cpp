@@ -1,5 +1,6 @@
 #include "command.h"
 #include "image/image_io.h"
+#include "support/parameter_values.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
@@ -39,12 +40,7 @@ TEST_F(CliTest, RendersToTheFilesThatAreNamed) {
 }
 
 TEST_F(CliTest, ThreadsDoNotChangeTheImageOfAnyIntegrator) {
-    std::istringstream list(run({"integrators"}).out);
-    std::string line;
-    int integrators = 0;
-    while (std::getline(list, line)) {
-        const std::string name = line.substr(0, line.find(' '));
-        ++integrators;
+    for (const std::string& name : integratorNames()) {
         for (const char* threads : {"1", "2"}) {
             const Outcome outcome = run({"render", "scene.xml", "-i", name, "--passes", "3", "--threads",
                                          threads, "-o", name + threads + ".exr"});
@@ -55,7 +51,6 @@ TEST_F(CliTest, ThreadsDoNotChangeTheImageOfAnyIntegrator) {
         EXPECT_EQ(one.pixels, two.pixels) << name;
         EXPECT_GT(mean(one), 0.001) << name;
     }
-    EXPECT_GE(integrators, 8);
 }
 
 /// Light so strong that its contributions overflow: left out, counted by technique, and said.
@@ -161,16 +156,116 @@ TEST_F(CliTest, OptionsThatTheIntegratorDoesNotKnowAreWarnedOf) {
                 testing::Not(HasSubstr("no effect")));
 }
 
-TEST_F(CliTest, ScenesOfMitsubasPssmltAreRenderedByIt) {
+/// What an option says of itself is true: of each integrator and parameter, either the option is warned of
+/// and leaves the image as it is, or it is not and the statistics show it.
+TEST_F(CliTest, WarningsOfOptionsWithoutEffectAreTrue) {
+    std::map<std::string, std::string> options;  // with a value that is not the default
+    for (const IntegratorDescription& integrator : integratorList())
+        for (const ParameterInfo& info : integrator.parameters)
+            options[info.name] = toText(test::otherValues(info).front());
+    const auto words = [](std::string name, const std::string& value) {
+        std::replace(name.begin(), name.end(), '_', '-');
+        return value == "false" ? Words{"--no-" + name} : Words{"--" + name, value};
+    };
+    const auto render = [&](const std::string& integrator, const Words& others) {
+        const Outcome outcome = run(Words{"render", "scene.xml", "--resolution", "6x4", "--passes", "2", "-o",
+                                          "a.exr", "--stats", "a.json", "-i", integrator} +
+                                    others);
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        return outcome.err;
+    };
+    const auto parameters = [&] {
+        return nlohmann::json::parse(std::ifstream(folder / "a.json"))["parameters"];
+    };
+    for (const IntegratorDescription& integrator : integratorList()) {
+        render(integrator.name, {});
+        const nlohmann::json defaults = parameters();
+        EXPECT_EQ(defaults.size(), integrator.parameters.size());
+        const std::vector<float> plain = pixels("a.exr");
+        Words foreign;
+        for (const auto& [name, value] : options) {
+            if (ParameterSet(integrator.parameters).find(name)) {
+                EXPECT_THAT(render(integrator.name, words(name, value)),
+                            testing::Not(HasSubstr("no effect")));
+                EXPECT_NE(parameters()[name], defaults[name]) << integrator.name << ": " << name;
+            } else {
+                foreign = foreign + words(name, value);
+            }
+        }
+        const std::string warnings = render(integrator.name, foreign);
+        for (const auto& [name, value] : options) {
+            if (ParameterSet(integrator.parameters).find(name)) continue;
+            EXPECT_THAT(warnings, HasSubstr(words(name, value).front() + " has no effect on " +
+                                            integrator.name + ": it is for "));
+        }
+        EXPECT_EQ(pixels("a.exr"), plain) << integrator.name << " reads what it does not have";
+        EXPECT_EQ(parameters(), defaults);
+    }
+}
+
+TEST_F(CliTest, OtherSpellingsOfOptionsAreTheSameOption) {
+    for (const char* option : {"--normalization", "--normalisation"}) {
+        ASSERT_EQ(
+            run({"render", "scene.xml", "--passes", "1", "--stats", "a.json", option, "bennett"}).status, 0);
+        EXPECT_EQ(nlohmann::json::parse(std::ifstream(folder / "a.json"))["parameters"]["normalization"],
+                  "bennett");
+    }
+}
+
+/// The tiny scene with this <integrator>.
+std::string sceneWith(const std::string& integrator) {
     std::string text = kTinyScene;
-    const std::string type = "<integrator type=\"path\">";
-    const size_t at = text.find(type);
-    ASSERT_NE(at, std::string::npos);
-    write("pssmlt.xml", text.replace(at, type.size(), "<integrator type=\"pssmlt\">"));
-    const Outcome outcome =
-        run({"render", "pssmlt.xml", "-i", "scene", "--passes", "1", "--stats", "a.json"});
-    ASSERT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_EQ(nlohmann::json::parse(std::ifstream(folder / "a.json"))["integrator"], "pssmlt");
+    const size_t begin = text.find("<integrator"), end = text.find("</integrator>") + 13;
+    return text.replace(begin, end - begin, integrator);
+}
+
+TEST_F(CliTest, EveryIntegratorCanBeNamedByTheScene) {
+    for (const IntegratorDescription& integrator : integratorList()) {
+        Words types = integrator.mitsubaTypes;
+        types.push_back(integrator.name);
+        for (const std::string& type : types) {
+            write("named.xml", sceneWith("<integrator type=\"" + type + "\"/>"));
+            const Outcome outcome = run({"render", "named.xml", "-i", "scene", "--resolution", "6x4",
+                                         "--passes", "1", "--stats", "a.json"});
+            ASSERT_EQ(outcome.status, 0) << outcome.err;
+            EXPECT_EQ(nlohmann::json::parse(std::ifstream(folder / "a.json"))["integrator"], integrator.name);
+        }
+    }
+}
+
+TEST_F(CliTest, ParametersInTheSceneHoldUnlessTheCommandSaysOtherwise) {
+    write("own.xml", sceneWith(R"(<integrator type="mcmc_vcm"><string name="kernel" value="adaptive"/>
+<float name="chain_inefficiency" value="8"/></integrator>)"));
+    const auto parameters = [&](const Words& words) {
+        const Outcome outcome = run(Words{"render", "own.xml", "--passes", "1", "--stats", "a.json"} + words);
+        EXPECT_EQ(outcome.status, 0) << outcome.err;
+        return nlohmann::json::parse(std::ifstream(folder / "a.json"))["parameters"];
+    };
+    for (const char* integrator : {"mcmc_vcm", "scene"}) {
+        EXPECT_EQ(parameters({"-i", integrator})["kernel"], "adaptive");
+        EXPECT_EQ(parameters({"-i", integrator})["chain_inefficiency"], 8);
+        EXPECT_EQ(parameters({"-i", integrator, "--chain-inefficiency", "2"})["chain_inefficiency"], 2);
+    }
+    EXPECT_EQ(parameters({"-i", "split_mcmc"})["chain_inefficiency"], 4) << "the settings are another's";
+}
+
+TEST_F(CliTest, AnUnknownIntegratorOfTheSceneMattersWhereItIsToRender) {
+    write("foreign.xml", sceneWith(R"(<integrator type="guided_path"><integer name="max_depth" value="1"/>
+<float name="learning_rate" value="0.1"/></integrator>)"));
+    const Outcome rendered = run({"render", "foreign.xml", "-i", "path", "--passes", "1", "-o", "a.exr"});
+    EXPECT_EQ(rendered.status, 0) << rendered.err;
+    EXPECT_THAT(rendered.err, HasSubstr("unknown integrator"));
+    write("same.xml",
+          sceneWith(R"(<integrator type="path"><integer name="max_depth" value="1"/></integrator>)"));
+    ASSERT_EQ(run({"render", "same.xml", "-i", "path", "--passes", "1", "-o", "b.exr"}).status, 0);
+    EXPECT_EQ(pixels("a.exr"), pixels("b.exr")) << "its path lengths hold";
+    const Outcome refused = run({"render", "foreign.xml", "-i", "scene", "--passes", "1"});
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_THAT(refused.err, AllOf(HasSubstr("foreign.xml:"), HasSubstr("<integrator type=\"guided_path\">"),
+                                   HasSubstr("--integrator")));
+    write("vpl.xml", sceneWith("<integrator type=\"vpl\"/>"));
+    EXPECT_THAT(run({"render", "vpl.xml", "-i", "scene", "--passes", "1"}).err,
+                AllOf(HasSubstr("not supported"), HasSubstr("nearest is \"bdpt\"")));
 }
 
 TEST_F(CliTest, ResolutionAndDefinesReplaceTheScenes) {

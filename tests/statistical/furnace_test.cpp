@@ -13,8 +13,11 @@ namespace {
 using namespace test;
 
 constexpr float kMergingRadius = 0.02f;
-const char* const kIntegrators[] = {"path", "light",      "bdpt",   "vcm",  "mcmc_vcm",    "sppm",
-                                    "vpt",  "split_mcmc", "pssmlt", "mmlt", "pssmlt_merge"};
+std::vector<std::string> integratorNames() {
+    std::vector<std::string> names;
+    for (const IntegratorDescription& integrator : integratorList()) names.push_back(integrator.name);
+    return names;
+}
 
 /// How much work an integrator needs for the decision. Few light subpaths find the camera, and chains need
 /// some hundred steps in an iteration: larger images, of which the mean is tested.
@@ -33,7 +36,7 @@ Effort effort(const std::string& integrator) {
     return {12, 24, 2, 0.05};
 }
 
-class Furnace : public ::testing::TestWithParam<const char*> {
+class Furnace : public ::testing::TestWithParam<std::string> {
   protected:
     void camera(SceneBuilder& b, const Vec3f& origin, const Vec3f& target, float fov) const {
         b.camera(origin, target, fov, effort(GetParam()).size, effort(GetParam()).size);
@@ -174,7 +177,7 @@ TEST(Connections, AnyShareOfThemGivesTheSameBrightness) {
             s.integrator = integrator;
             s.passes = 16;
             s.radius = kMergingRadius;
-            s.connections = share;
+            s.parameters["connections"] = share;
             s.columns = s.rows = 1;
             expectRadiance(renderSeeds(*scene, s), expected, 0.03, fmt::format("{}, {}", integrator, share));
         }
@@ -194,7 +197,7 @@ TEST(McmcVcm, NoPassIsDarkerOrBrighterThanTheOthers) {
     const std::pair<int, int> groups[] = {{0, 1}, {1, 2}, {2, 6}, {6, kPasses}};
     BlockStatistics means(int(std::size(groups)), 1, int(std::size(groups)), 1);
     for (int seed = 0; seed < kSeeds; ++seed) {
-        IntegratorOptions options;
+        CommonOptions options;
         options.seed = hashKey(8, seed);
         Film film(scene->camera().window(), ReconstructionFilter(ReconstructionFilter::Kind::Box, {}));
         const std::unique_ptr<Integrator> integrator = makeIntegrator("mcmc_vcm", *scene, options);
@@ -223,8 +226,8 @@ TEST(McmcVcm, NoPassIsDarkerOrBrighterThanTheOthers) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Furnace, ::testing::ValuesIn(kIntegrators),
-                         [](const auto& i) { return std::string(i.param); });
+INSTANTIATE_TEST_SUITE_P(All, Furnace, ::testing::ValuesIn(integratorNames()),
+                         [](const auto& i) { return i.param; });
 
 }  // namespace
 }  // namespace metrolux::core

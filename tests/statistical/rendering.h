@@ -7,7 +7,7 @@
 /// correlated within a seed.
 
 #include "base/rng.h"
-#include "integrators/integrator.h"
+#include "integrators/registry.h"
 #include "support/block_statistics.h"
 #include "support/small_scenes.h"
 
@@ -31,21 +31,23 @@ inline double comparisonLevel() {
 struct RenderSetup {
     std::string integrator;
     int passes = 16;
-    double radius = 0;  ///< merging radius; 0: the default
-    std::optional<double> connections;
+    double radius = 0;  ///< merging radius of those that merge; 0: the default
+    ParameterValues parameters = {};
     int columns = 3, rows = 3;
     ReconstructionFilter::Kind filter = ReconstructionFilter::Kind::Box;
     uint64_t seed = 1;
 };
 
 inline std::vector<float> renderImage(const Scene& scene, const RenderSetup& setup, uint64_t seed) {
-    IntegratorOptions options;
+    ParameterValues parameters = setup.parameters;
+    if (ParameterSet(findIntegrator(setup.integrator).parameters).find("radius"))
+        parameters["radius"] = setup.radius;
+    CommonOptions options;
     options.limits = scene.parts().limits;
-    options.radius = setup.radius;
-    options.connections = setup.connections;
     options.seed = seed;
     Film film(scene.camera().window(), ReconstructionFilter(setup.filter, {}));
-    const std::unique_ptr<Integrator> integrator = makeIntegrator(setup.integrator, scene, options);
+    const std::unique_ptr<Integrator> integrator =
+        makeIntegrator(setup.integrator, scene, options, parameters);
     for (int i = 0; i < setup.passes; ++i) integrator->renderPass(film);
     for (int t = 0; t < int(Technique::Count); ++t)
         EXPECT_EQ(film.nonFinite(Technique(t)), 0u)

@@ -2,14 +2,12 @@
 /// Scene files rendered inside a test: an integrator, a number of passes, a seed.
 
 #include "base/parallel.h"
-#include "integrators/integrator.h"
-#include "integrators/iteration.h"
+#include "integrators/registry.h"
 #include "io/scene_loader.h"
 
 #include <ctime>
 #include <filesystem>
 #include <memory>
-#include <optional>
 
 namespace metrolux::core::test {
 
@@ -20,17 +18,17 @@ class RenderableScene {
         : RenderableScene(loadScene(file, options)) {}
 
     /// Mean of `passes` passes, 3 floats a pixel. `radiusFactor`: merging radius as a multiple of the
-    /// default. `kernel`: mutation of the chains; absent: the integrator's own.
+    /// default, for those that merge.
     std::vector<float> render(const std::string& integrator, int passes, uint64_t seed,
-                              double radiusFactor = 1,
-                              std::optional<MutationKernel::Kind> kernel = {}) const {
-        IntegratorOptions options;
+                              double radiusFactor = 1, ParameterValues parameters = {}) const {
+        CommonOptions options;
         options.seed = seed;
-        options.kernel = kernel;
         options.limits = limits_;
-        if (radiusFactor != 1) options.radius = radiusFactor * projectedPixelRadius(*scene_, options);
+        const ParameterSet known(findIntegrator(integrator).parameters);
+        if (radiusFactor != 1 && known.find("radius"))
+            parameters["radius"] = radiusFactor * projectedPixelRadius(*scene_, limits_);
         Film film(scene_->camera().window(), filter_);
-        const auto integrates = makeIntegrator(integrator, *scene_, options);
+        const auto integrates = makeIntegrator(integrator, *scene_, options, parameters);
         for (int i = 0; i < passes; ++i) integrates->renderPass(film);
         return film.image();
     }
@@ -42,10 +40,10 @@ class RenderableScene {
     /// The same for seeds first, first + 1 ..., which share the processors.
     std::vector<std::vector<float>> renderSeeds(const std::string& integrator, int passes, uint64_t first,
                                                 int count, double radiusFactor,
-                                                std::optional<MutationKernel::Kind> kernel = {}) const {
+                                                const ParameterValues& parameters = {}) const {
         std::vector<std::vector<float>> images(count);
         parallelFor(count, [&](size_t i) {
-            images[i] = render(integrator, passes, first + i, radiusFactor, kernel);
+            images[i] = render(integrator, passes, first + i, radiusFactor, parameters);
         });
         return images;
     }

@@ -7,11 +7,12 @@
 #include "base/error.h"
 #include "base/rng.h"
 #include "base/state_archive.h"
-#include "integrators/integrator.h"
+#include "integrators/registry.h"
 #include "io/scene_loader.h"
 #include "random_scene.h"
 #include "render/session.h"
 #include "render/threads.h"
+#include "support/parameter_values.h"
 #include "support/temporary_folder.h"
 
 #include <CLI/CLI.hpp>
@@ -67,32 +68,39 @@ class Reporter {
     int pipe_;
 };
 
-/// Options that a user may choose, by the seed.
-IntegratorOptions randomOptions(uint64_t seed, const Scene& scene, const std::string& integrator) {
+/// What a user may choose, by the seed.
+struct Choice {
+    std::string integrator;
+    CommonOptions options;
+    ParameterValues parameters;
+};
+
+Choice randomChoice(uint64_t seed, const Scene& scene, const std::string& integrator) {
     CounterRng rng(hashKey(seed, 0x0b7));
-    IntegratorOptions options;
-    options.seed = seed;
-    options.limits = scene.parts().limits;
-    options.memoryBytes = rng.next1D() < 0.2f ? 20000 : 0;  // several iterations in a pass
-    if (rng.next1D() < 0.2f)
-        options.radius = double(scene.bounds().radius) * (rng.next1D() < 0.5f ? 1e-7 : 1);
-    if (rng.next1D() < 0.3f) options.lanes = 1;
-    if (rng.next1D() < 0.3f)
-        options.kernel = rng.next1D() < 0.5f ? MutationKernel::Kind::Adaptive : MutationKernel::Kind::Kelemen;
-    options.correlationAware = rng.next1D() < 0.8f;
-    if (rng.next1D() < 0.2f) options.split = {1, 1 + 5.0 * rng.next1D(), 1 + 5.0 * rng.next1D()};
-    if (rng.next1D() < 0.2f) options.target = ChainTarget::Relative;
-    if (rng.next1D() < 0.2f) options.normalization = NormalizationMethod::Bennett;
-    options.pooledTheta = rng.next1D() < 0.2f;
-    options.measuredSplit = rng.next1D() < 0.2f && integrator == "mcmc_vcm";
-    return options;
+    Choice choice{integrator, {}, {}};
+    choice.options.seed = seed;
+    choice.options.limits = scene.parts().limits;
+    choice.options.memoryBytes = rng.next1D() < 0.2f ? 20000 : 0;  // several iterations in a pass
+    for (const ParameterInfo& info : findIntegrator(integrator).parameters) {
+        if (rng.next1D() >= 0.2f) continue;
+        const std::vector<ParameterValue> values = test::otherValues(info);
+        choice.parameters[info.name] = values[static_cast<size_t>(rng.next1D() * float(values.size()))];
+    }
+    if (choice.parameters.contains("radius"))
+        choice.parameters["radius"] = double(scene.bounds().radius) * (rng.next1D() < 0.5f ? 1e-7 : 1);
+    // A measured split is for all replicas.
+    const auto split = choice.parameters.find("split");
+    if (split != choice.parameters.end() && toText(split->second) == "auto")
+        choice.parameters.erase("replicas");
+    return choice;
 }
 
 /// A film and what renders it.
 class Rendering {
   public:
-    Rendering(const Scene& scene, const std::string& integrator, const IntegratorOptions& options)
-        : film_(makeFilm(scene)), integrator_(makeIntegrator(integrator, scene, options)) {}
+    Rendering(const Scene& scene, const Choice& choice)
+        : film_(makeFilm(scene)),
+          integrator_(makeIntegrator(choice.integrator, scene, choice.options, choice.parameters)) {}
 
     void render(int passes) {
         for (int i = 0; i < passes; ++i) integrator_->renderPass(film_);
@@ -126,9 +134,9 @@ int passBeforeResume(uint64_t seed, int passes) {
 void render(const Settings& settings, const Scene& scene, const std::string& integrator, uint64_t seed,
             const Reporter& reporter) {
     reporter.say({{"begin", integrator}});
-    const IntegratorOptions options = randomOptions(seed, scene, integrator);
+    const Choice choice = randomChoice(seed, scene, integrator);
     const int stop = passBeforeResume(seed, settings.passes);
-    Rendering whole(scene, integrator, options);
+    Rendering whole(scene, choice);
     whole.render(stop);
     const std::string saved = stop > 0 ? whole.state() : "";
     whole.render(settings.passes - stop);
@@ -137,7 +145,7 @@ void render(const Settings& settings, const Scene& scene, const std::string& int
     nlohmann::json result{
         {"rendered", integrator}, {"bad_values", bad}, {"rejected", nonFiniteCounts(whole.film())}};
     if (stop > 0) {
-        Rendering resumed(scene, integrator, options);
+        Rendering resumed(scene, choice);
         resumed.load(saved);
         resumed.render(settings.passes - stop);
         // The states hold the films' exact sums: more than the image.
@@ -403,7 +411,8 @@ int run(int argc, char** argv) {
     CLI11_PARSE(app, argc, argv);
     if (settings.pipe >= 0) return runChild(settings);
     if (settings.integrators.empty())
-        for (const auto& [name, description] : integratorList()) settings.integrators.push_back(name);
+        for (const IntegratorDescription& integrator : integratorList())
+            settings.integrators.push_back(integrator.name);
     std::optional<test::TemporaryFolder> temporary;
     if (settings.folder.empty()) settings.folder = temporary.emplace().path();
     fs::create_directories(settings.folder);

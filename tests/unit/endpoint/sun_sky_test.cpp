@@ -5,7 +5,7 @@
 #include "chi_square.h"
 #include "endpoint/lights/hosek_sky.h"
 #include "image/film.h"
-#include "integrators/integrator.h"
+#include "integrators/registry.h"
 #include "light_cases.h"
 #include "support/small_scenes.h"
 
@@ -226,7 +226,7 @@ TEST(SunSky, integratorsAgree) {
     const auto render = [&](const char* name, int passes) {
         Estimate e;
         for (int run = 0; run < 24; ++run) {
-            IntegratorOptions options;
+            CommonOptions options;
             options.seed = static_cast<uint64_t>(run + 1);
             options.limits = scene->parts().limits;
             Film film(scene->camera().window(), ReconstructionFilter(ReconstructionFilter::Kind::Box, {}));

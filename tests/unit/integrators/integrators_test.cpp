@@ -1,6 +1,6 @@
 #include "base/error.h"
-#include "integrators/integrator.h"
 #include "integrators/iteration.h"
+#include "integrators/registry.h"
 #include "support/small_scenes.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 using test::SceneBuilder;
 
-std::vector<float> render(const Scene& scene, const std::string& name, IntegratorOptions options, int passes,
+std::vector<float> render(const Scene& scene, const std::string& name, CommonOptions options, int passes,
                           int threads = 2,
                           ReconstructionFilter::Kind filter = ReconstructionFilter::Kind::Tent) {
     options.limits = scene.parts().limits;
@@ -32,7 +32,7 @@ std::vector<float> render(const Scene& scene, const std::string& name, Integrato
     return film.image();
 }
 
-class EachIntegrator : public ::testing::TestWithParam<const char*> {};
+class EachIntegrator : public ::testing::TestWithParam<std::string> {};
 
 void addFloorAndGlass(SceneBuilder& b) {
     b.add(test::rectangle({0, 0, 0}, {0, 1, 0}, 4, 4), test::diffuse(0.7f));
@@ -74,7 +74,7 @@ TEST_P(EachIntegrator, GivesTheSameBitsOnOneAndTwoThreadsAndOthersForAnotherSeed
     addFloorAndGlass(b);
     b.emit(b.add(test::rectangle({0.5f, 3, 0}, {0, -1, 0}, 0.7f, 0.5f), test::diffuse(0.3f)), Rgb(5));
     const std::shared_ptr<Scene> scene = b.build();
-    IntegratorOptions options;
+    CommonOptions options;
     options.seed = 5;
     const std::vector<float> one = render(*scene, GetParam(), options, 4, 1);
     EXPECT_EQ(one, render(*scene, GetParam(), options, 4, 2));
@@ -97,7 +97,7 @@ std::array<double, 2> brightness(const Scene& scene, const std::string& name,
     constexpr int kSeeds = 8, kPasses = 12;
     std::vector<double> means;
     for (int seed = 0; seed < kSeeds; ++seed) {
-        IntegratorOptions options;
+        CommonOptions options;
         options.seed = static_cast<uint64_t>(seed);
         const std::vector<float> image = render(scene, name, options, kPasses, 2, filter);
         means.push_back(std::accumulate(image.begin(), image.end(), 0.0) / double(image.size()));
@@ -124,37 +124,13 @@ TEST_P(EachIntegrator, FiltersWithNegativeLobesKeepTheBrightness) {
     EXPECT_NEAR(mean, expected, 6 * std::sqrt(variance + itsVariance) + 0.005 * expected);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EachIntegrator,
-                         ::testing::Values("path", "light", "bdpt", "vcm", "mcmc_vcm", "sppm", "vpt",
-                                           "split_mcmc", "pssmlt", "pssmlt_merge", "mmlt"),
-                         [](const auto& i) { return std::string(i.param); });
-
-TEST(Integrators, AreAllListedAndMade) {
-    SceneBuilder b;
-    addFloorAndGlass(b);
-    const std::shared_ptr<Scene> scene = b.build();
-    EXPECT_EQ(integratorList().size(), 11u);
-    EXPECT_EQ(integratorList().front().first, "mcmc_vcm");
-    for (const auto& [name, description] : integratorList()) {
-        EXPECT_FALSE(description.empty());
-        EXPECT_NE(makeIntegrator(name, *scene, {}), nullptr);
-    }
-    try {
-        makeIntegrator("bdtp", *scene, {});
-        FAIL();
-    } catch (const Error& e) {
-        EXPECT_NE(std::string(e.what()).find("bdpt"), std::string::npos) << e.what();
-    }
-    IntegratorOptions options;
-    for (const char* bad : {"", "x", "uvz"}) {
-        options.replicas = bad;
-        EXPECT_THROW(makeIntegrator("mcmc_vcm", *scene, options), Error) << bad;
-    }
-    options.replicas = "uvf";
-    EXPECT_NE(makeIntegrator("mcmc_vcm", *scene, options), nullptr);
-    for (const char* withoutContribution : {"vpt", "split_mcmc"})
-        EXPECT_THROW(makeIntegrator(withoutContribution, *scene, options), Error) << withoutContribution;
+std::vector<std::string> names() {
+    std::vector<std::string> result;
+    for (const IntegratorDescription& integrator : integratorList()) result.push_back(integrator.name);
+    return result;
 }
+INSTANTIATE_TEST_SUITE_P(All, EachIntegrator, ::testing::ValuesIn(names()),
+                         [](const auto& i) { return i.param; });
 
 TEST(RadiusSchedule, FollowsTheProductForm) {
     // prod (i + alpha) / (i + 1): alpha = 1 keeps the radius, 3/4 shrinks r^2 as i^(alpha - 1) in the long
@@ -176,7 +152,7 @@ TEST(PixelPartition, CoversEveryPixelOnceWithinTheBound) {
     FilmWindow window;
     window.fullWidth = window.width = 57;
     window.fullHeight = window.height = 31;
-    IntegratorOptions options;
+    CommonOptions options;
     EXPECT_EQ(PixelPartition(window, options).parts(), 1);
     for (const size_t bytes : {size_t(1), size_t(100000), size_t(20000000)}) {
         options.memoryBytes = bytes;
@@ -194,12 +170,13 @@ TEST(ProjectedPixelRadius, IsThePixelsWidthOnWhatTheCameraSees) {
     b.add(test::rectangle({0, 0, 0}, {0, 0, 1}, 10, 10), test::diffuse(0.5f));
     b.camera({0, 0, 5}, {0, 0, 0}, 20, 100, 100);
     const double pixel = 2 * 5 * std::tan(radians(10)) / 100;
-    EXPECT_NEAR(projectedPixelRadius(*b.build(), {}) / pixel, 1, 0.1);
-    IntegratorOptions options;
-    options.radius = 0.25;
-    SceneBuilder same;
-    same.camera({0, 0, 5}, {0, 0, 0}, 20, 100, 100);
-    EXPECT_EQ(projectedPixelRadius(*same.build(), options), 0.25);
+    const std::shared_ptr<Scene> scene = b.build();
+    EXPECT_NEAR(projectedPixelRadius(*scene, {}) / pixel, 1, 0.1);
+    MergingParameters open, chosen{0.25};
+    open.resolve(*scene, {});
+    chosen.resolve(*scene, {});
+    EXPECT_EQ(open.radius, projectedPixelRadius(*scene, {}));
+    EXPECT_EQ(chosen.radius, 0.25);
     SceneBuilder nothing;
     nothing.camera({0, 0, 5}, {0, 0, 0}, 20, 100, 100);
     EXPECT_GT(projectedPixelRadius(*nothing.build(), {}), 0);

@@ -31,7 +31,7 @@ SceneParts loadIntegrator(const std::string& integrator, const std::string& vers
 
 TEST(Loader, DefaultIntegratorIsPathsOfAnyLength) {
     const SceneParts parts = loadIntegrator("");
-    EXPECT_EQ(parts.integrator, "path");
+    EXPECT_EQ(parts.integrator.type, "path");
     EXPECT_EQ(parts.limits.maxDepth, -1);
     EXPECT_EQ(parts.limits.rouletteDepth, 5);
     EXPECT_FALSE(parts.limits.hideEmitters);
@@ -42,9 +42,11 @@ TEST(Loader, IntegratorsSetTheLimits) {
     const std::string depth = R"(<integer name="max_depth" value="7"/><integer name="rr_depth" value="3"/>
         <boolean name="hide_emitters" value="true"/></integrator>)";
     for (const char* type :
-         {"path", "ptracer", "light", "bdpt", "vcm", "mcmc_vcm", "volpath", "volpathmis", "sppm"}) {
+         {"path", "ptracer", "bdpt", "mcmc_vcm", "volpath", "erpt", "guided_path", "anything"}) {
         const SceneParts parts = loadIntegrator(fmt::format("<integrator type=\"{}\">", type) + depth);
-        EXPECT_EQ(parts.integrator, std::string(type).starts_with("volpath") ? "path" : type);
+        EXPECT_EQ(parts.integrator.type, type);
+        EXPECT_THAT(parts.integrator.where, AllOf(HasSubstr("scene.xml:2"), HasSubstr(type)));
+        EXPECT_THAT(parts.integrator.settings, IsEmpty());
         EXPECT_EQ(parts.limits.maxDepth, 7);
         EXPECT_EQ(parts.limits.rouletteDepth, 3);
         EXPECT_TRUE(parts.limits.hideEmitters);
@@ -52,27 +54,32 @@ TEST(Loader, IntegratorsSetTheLimits) {
     EXPECT_EQ(loadIntegrator("<integrator type=\"direct\"/>").limits.maxDepth, 2);
 }
 
+TEST(Loader, SettingsOfIntegratorsAreKeptAsTheyAreWritten) {
+    const SceneParts parts = loadIntegrator(R"(<integrator type="some">
+        <integer name="lanes" value="3"/><float name="pLarge" value="0.5"/><boolean name="on" value="true"/>
+        <string name="kernel" value="adaptive"/><rgb name="color" value="1"/></integrator>)",
+                                            "0.5.0");
+    const std::vector<SceneIntegrator::Setting>& settings = parts.integrator.settings;
+    ASSERT_EQ(settings.size(), 5u);
+    EXPECT_EQ(settings[0].value, ParameterValue(3));
+    EXPECT_EQ(settings[1].name, "p_large");
+    EXPECT_EQ(settings[1].value, ParameterValue(0.5));
+    EXPECT_THAT(settings[1].where, AllOf(HasSubstr("scene.xml:3"), HasSubstr("property \"p_large\"")));
+    EXPECT_EQ(settings[2].value, ParameterValue(true));
+    EXPECT_EQ(settings[3].value, ParameterValue("adaptive"));
+    EXPECT_EQ(settings[4].value, ParameterValue("neither number nor text"));
+    EXPECT_TRUE(parts.integrator.legacy);
+}
+
 TEST(Loader, WrappersUseTheNestedIntegrator) {
     const SceneParts moment =
         loadIntegrator(R"(<integrator type="moment"><integrator type="direct"/></integrator>)");
-    EXPECT_EQ(moment.integrator, "direct");
+    EXPECT_EQ(moment.integrator.type, "direct");
     EXPECT_THAT(moment.warnings, IsEmpty());
     const SceneParts aov = loadIntegrator(R"(<integrator type="aov"><string name="aovs" value="dd:depth"/>
         <integrator name="image" type="path"><integer name="max_depth" value="4"/></integrator></integrator>)");
     EXPECT_EQ(aov.limits.maxDepth, 4);
     EXPECT_THAT(aov.warnings, Contains(AllOf(HasSubstr("scene.xml:2"), HasSubstr("aovs"))));
-}
-
-TEST(Loader, LeftoversOfOldIntegratorsAreWarnings) {
-    const std::string integrator = R"(<integrator type="path"><integer name="maxDepth" value="9"/>
-        <integer name="photonCount" value="5"/><boolean name="strictNormals" value="true"/></integrator>)";
-    const SceneParts parts = loadIntegrator(integrator, "0.5.0");
-    EXPECT_EQ(parts.limits.maxDepth, 9);
-    EXPECT_THAT(parts.warnings, Contains(AllOf(HasSubstr("photon_count"), HasSubstr("strict_normals"))));
-    const std::string misspelled =
-        "<integrator type=\"path\"><integer name=\"maxDept\" value=\"9\"/></integrator>";
-    EXPECT_THAT(loadIntegrator(misspelled, "0.5.0").warnings,
-                Contains(HasSubstr("did you mean \"max_depth\"?")));
 }
 
 TEST(Loader, OptionsChangeTheFilmAndTheDefaults) {
@@ -138,14 +145,13 @@ TEST(Loader, UnusedMaterialsAreCheckedAllTheSame) {
 TEST(Loader, LenienceTurnsUnknownNamesIntoWarnings) {
     LoadOptions options;
     options.lenient = true;
-    const SceneParts parts = load(kSensor + kLight + R"(<integrator type="magic"/><bsdf type="velvet" id="v"/>
+    const SceneParts parts = load(kSensor + kLight + R"(<bsdf type="velvet" id="v"/>
         <emitter type="aurora"/><film type="hdrfilm"/><float name="gain" value="1"/>
         <shape type="sphere"><ref id="v"/><float name="radios" value="3"/></shape>)",
                                   options);
-    for (const char* name : {"magic", "velvet", "aurora", "film", "gain", "radios"})
+    for (const char* name : {"velvet", "aurora", "film", "gain", "radios"})
         EXPECT_THAT(parts.warnings, Contains(AllOf(HasSubstr("scene.xml:"), HasSubstr(name)))) << name;
     EXPECT_EQ(parts.shapes.size(), 1u);
-    EXPECT_EQ(parts.integrator, "path");
 }
 
 TEST(Loader, OldSceneEqualsItsTwin) {

@@ -95,9 +95,9 @@ TEST_F(Session, WritesImagesWithMetadata) {
 TEST_F(Session, StatisticsHaveTheFields) {
     ThreadLimit threads(2);
     const nlohmann::json s = threads.execute([&] { return run(); }).statistics;
-    for (const char* name :
-         {"version", "scene", "integrator", "seed", "threads", "passes", "seconds", "relative_error", "rays",
-          "peak_memory_bytes", "non_finite", "integrator_statistics", "stop_reason"})
+    for (const char* name : {"version", "scene", "integrator", "parameters", "seed", "threads", "passes",
+                             "seconds", "relative_error", "rays", "peak_memory_bytes", "non_finite",
+                             "integrator_statistics", "stop_reason"})
         EXPECT_TRUE(s.contains(name)) << name;
     EXPECT_EQ(s["threads"], 2);
     EXPECT_EQ(s["stop_reason"], "passes");
@@ -177,14 +177,6 @@ TEST_F(Session, RescuesTheImageWhenItsFolderVanishes) {
     EXPECT_EQ(readImage(elsewhere / "metrolux-rescue-a.exr", false).width, 20);
     EXPECT_EQ(result.written.rescued.size(), 1u);
     fs::current_path(before);
-}
-
-TEST(IntegratorForScene, MapsMitsubaTypes) {
-    EXPECT_EQ(integratorForScene("path"), "path");
-    EXPECT_EQ(integratorForScene("direct"), "path");
-    EXPECT_EQ(integratorForScene("ptracer"), "light");
-    EXPECT_EQ(integratorForScene("bdpt"), "bdpt");
-    EXPECT_THROW(integratorForScene("prb_reparam"), Error);
 }
 
 }  // namespace

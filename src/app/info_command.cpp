@@ -1,9 +1,11 @@
 #include "app/commands.h"
 #include "app/option_parsing.h"
+#include "app/render_options.h"
 #include "integrators/integrator.h"
 #include "io/scene_loader.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <cctype>
 #include <cxxabi.h>
@@ -17,12 +19,13 @@ namespace {
 
 constexpr const char* kInfoExamples = R"(Examples:
   metrolux info scene.xml
-  metrolux info scene.xml --lenient        # what would be left out is listed as warnings)";
+  metrolux info scene.xml --lenient        # what would be left out is listed as warnings
+  metrolux info scene.xml --json           # the same for programs)";
 
 struct InfoArguments {
-    std::string scene;
+    std::string scene, sensor;
     std::vector<std::string> defines;
-    bool lenient = false;
+    bool lenient = false, strict = false, json = false;
 };
 
 /// Class name without namespaces, for people.
@@ -66,23 +69,23 @@ Census census(const SceneParts& parts) {
     return result;
 }
 
-int info(const InfoArguments& a) {
-    LoadOptions options;
-    options.defines = parseDefines(a.defines);
-    options.lenient = a.lenient;
-    const Scene scene(loadScene(a.scene, options));
-    const SceneParts& parts = scene.parts();
-    const Census counts = census(parts);
-    const FilmWindow& w = scene.camera().window();
+void printCamera(const SceneParts& parts) {
+    const FilmWindow& w = parts.camera->window();
     const ReconstructionFilter filter(parts.filterKind, parts.filter);
-
-    fmt::print("scene       {}\n", parts.source);
     fmt::print("film        {}x{} pixels", w.fullWidth, w.fullHeight);
     if (w.width != w.fullWidth || w.height != w.fullHeight)
         fmt::print(", crop {}x{} at {},{}", w.width, w.height, w.x, w.y);
     fmt::print(", filter {} of radius {}\n", filterName(parts.filterKind), filter.radius());
-    const Vec3f eye = scene.camera().position();
-    fmt::print("sensor      {} at ({:.4g}, {:.4g}, {:.4g})\n", kindOf(scene.camera()), eye.x, eye.y, eye.z);
+    const Vec3f eye = parts.camera->position();
+    fmt::print("sensor      {} at ({:.4g}, {:.4g}, {:.4g})\n", kindOf(*parts.camera), eye.x, eye.y, eye.z);
+}
+
+void print(const SceneParts& parts, const Census& counts, const SceneBounds* bounds) {
+    fmt::print("scene       {}\n", parts.source);
+    if (parts.camera)
+        printCamera(parts);
+    else
+        fmt::print("sensor      none\n");
     fmt::print("integrator  {}, ", parts.integrator);
     if (parts.limits.maxDepth < 0)
         fmt::print("paths of any length");
@@ -95,10 +98,57 @@ int info(const InfoArguments& a) {
     if (!parts.instances.empty()) fmt::print("instances   {}\n", parts.instances.size());
     fmt::print("bsdfs       {}\n", countsText(counts.bsdfs));
     fmt::print("lights      {}\n", countsText(counts.lights));
-    const SceneBounds& b = scene.bounds();
-    fmt::print("bounds      sphere of radius {:.4g} around ({:.4g}, {:.4g}, {:.4g})\n", b.radius, b.center.x,
-               b.center.y, b.center.z);
+    if (bounds)
+        fmt::print("bounds      sphere of radius {:.4g} around ({:.4g}, {:.4g}, {:.4g})\n", bounds->radius,
+                   bounds->center.x, bounds->center.y, bounds->center.z);
     for (const std::string& warning : parts.warnings) fmt::print("warning     {}\n", warning);
+}
+
+void printJson(const SceneParts& parts, const Census& counts, const SceneBounds* bounds) {
+    nlohmann::json result = {{"scene", parts.source},
+                             {"integrator",
+                              {{"type", parts.integrator},
+                               {"max_depth", parts.limits.maxDepth},
+                               {"rr_depth", parts.limits.rouletteDepth},
+                               {"hide_emitters", parts.limits.hideEmitters}}},
+                             {"shapes", counts.shapes},
+                             {"primitives", counts.primitives},
+                             {"instances", parts.instances.size()},
+                             {"bsdfs", counts.bsdfs},
+                             {"lights", counts.lights},
+                             {"warnings", parts.warnings}};
+    if (parts.camera) {
+        const FilmWindow& w = parts.camera->window();
+        const Vec3f eye = parts.camera->position();
+        result["film"] = {{"size", {w.fullWidth, w.fullHeight}},
+                          {"crop", {w.x, w.y, w.width, w.height}},
+                          {"filter", filterName(parts.filterKind)}};
+        result["sensor"] = {{"type", kindOf(*parts.camera)}, {"position", {eye.x, eye.y, eye.z}}};
+    }
+    if (bounds)
+        result["bounds"] = {{"radius", bounds->radius},
+                            {"center", {bounds->center.x, bounds->center.y, bounds->center.z}}};
+    fmt::print("{}\n", result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+int info(const InfoArguments& a) {
+    LoadOptions options;
+    options.defines = parseDefines(a.defines);
+    options.lenient = a.lenient;
+    options.strict = a.strict;
+    options.sensor = a.sensor;
+    options.fragment = true;
+    SceneParts parts = loadScene(a.scene, options);
+    const Census counts = census(parts);
+    const auto show = [&](const SceneParts& p, const SceneBounds* bounds) {
+        a.json ? printJson(p, counts, bounds) : print(p, counts, bounds);
+    };
+    if (!parts.camera) {
+        show(parts, nullptr);
+        return kDone;
+    }
+    const Scene scene(std::move(parts));  // which may find more that is wrong
+    show(scene.parts(), &scene.bounds());
     return kDone;
 }
 
@@ -117,8 +167,11 @@ Run addInfoCommand(CLI::App& parent) {
     app->add_option("-D,--define", a->defines, "Value for a <default> or $parameter of the scene")
         ->option_text("NAME=VALUE")
         ->allow_extra_args(false);
-    app->add_flag("--lenient", a->lenient,
-                  "Warn of unknown plugins and parameters instead of refusing the scene");
+    app->add_option("--sensor", a->sensor,
+                    "Which of several sensors: its number, from 0, or its id (default: 0)")
+        ->option_text("N|ID");
+    app->add_flag("--json", a->json, "Print JSON");
+    addStrictnessOptions(*app, a->lenient, a->strict, "");
     return [a] { return info(*a); };
 }
 

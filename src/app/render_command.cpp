@@ -75,11 +75,13 @@ namespace {
 
 /// The scene's part of a rendering's identity.
 nlohmann::json sceneIdentity(const RenderArguments& a, const std::vector<fs::path>& files) {
-    return {{"files", fingerprints(files)},
-            {"name", fs::path(a.scene).filename().string()},
-            {"define", a.defines},
-            {"filter", a.filter},
-            {"lenient", a.lenient}};
+    nlohmann::json identity = {{"files", fingerprints(files)},
+                               {"name", fs::path(a.scene).filename().string()},
+                               {"define", a.defines},
+                               {"filter", a.filter},
+                               {"lenient", a.lenient}};
+    if (!a.sensor.empty()) identity["sensor"] = a.sensor;
+    return identity;
 }
 
 int renderOn(Team* team, RenderArguments& a, std::optional<Checkpoint> before) {

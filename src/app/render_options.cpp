@@ -120,8 +120,20 @@ void addSceneOptions(CLI::App& app, RenderArguments& a) {
                    "What the scene's data may take: 4G, 512M (default: the machine's memory)")
         ->option_text("SIZE")
         ->group(group);
-    app.add_flag("--lenient", a.lenient,
-                 "Warn of unknown plugins and parameters instead of refusing the scene")
+    app.add_option("--sensor", a.sensor,
+                   "Which of several sensors: its number, from 0, or its id (default: 0)")
+        ->option_text("N|ID")
+        ->group(group);
+    addStrictnessOptions(app, a.lenient, a.strict, group);
+}
+
+void addStrictnessOptions(CLI::App& app, bool& lenient, bool& strict, const std::string& group) {
+    CLI::Option* const isLenient =
+        app.add_flag("--lenient", lenient,
+                     "Warn of unknown plugins and parameters instead of refusing the scene")
+            ->group(group);
+    app.add_flag("--strict", strict, "Refuse the scene where there would be a warning")
+        ->excludes(isLenient)
         ->group(group);
 }
 
@@ -398,6 +410,8 @@ LoadOptions loadOptions(const RenderArguments& a) {
     LoadOptions options;
     options.defines = parseDefines(a.defines);
     options.lenient = a.lenient;
+    options.strict = a.strict;
+    options.sensor = a.sensor;
     if (!a.sceneMemory.empty()) options.memoryBytes = parseMemory(a.sceneMemory);
     if (!a.resolution.empty()) {
         const Size size = parseResolution(a.resolution);

@@ -12,7 +12,7 @@ namespace metrolux::core::app {
 
 struct RenderArguments {
     std::string scene, time, error, saveEvery, memory, sceneMemory, resolution, crop, stats, filter, kernel,
-        split;
+        split, sensor;
     std::string curve = "srgb", method = "B", target = "luminance", normalization = "pooled", theta = "lane";
     std::string checkpointEvery, onlyStreams;
     uint32_t streams = 0;  ///< 0: not divided
@@ -20,11 +20,13 @@ struct RenderArguments {
     SessionOptions session;
     int threads = 0;
     std::optional<int> maxDepth;  ///< in place of the scene's
-    bool lenient = false, quiet = false;
+    bool lenient = false, strict = false, quiet = false;
 };
 
-/// --define, --resolution, --crop, --filter, --scene-memory, --lenient.
+/// --define, --sensor, --resolution, --crop, --filter, --scene-memory, --lenient, --strict.
 void addSceneOptions(CLI::App& app, RenderArguments& a);
+/// --lenient and --strict, which exclude each other.
+void addStrictnessOptions(CLI::App& app, bool& lenient, bool& strict, const std::string& group);
 /// -o, --stats and how images are written.
 void addOutputOptions(CLI::App& app, RenderArguments& a);
 /// --time, --passes, --error.

@@ -61,6 +61,16 @@ bool invert(const Matrix& m, Matrix& out) {
     return true;
 }
 
+/// The transposed cofactors of the upper-left 3x3 block.
+void adjugate3(const Matrix& m, Matrix& out) {
+    setIdentity(out);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+            out[j][i] = m[a][c] * m[b][d] - m[a][d] * m[b][c];
+        }
+}
+
 }  // namespace
 
 Transform::Transform() {
@@ -75,7 +85,8 @@ Transform Transform::fromRows(const double (&rows)[4][4]) {
             if (!std::isfinite(rows[i][j])) throw Error("transform matrix has an element that is not finite");
             result.m_[i][j] = rows[i][j];
         }
-    if (!invert(result.m_, result.inv_)) throw Error("transform matrix is singular");
+    result.singular_ = !invert(result.m_, result.inv_);
+    if (result.singular_) adjugate3(result.m_, result.inv_);
     return result;
 }
 
@@ -93,6 +104,7 @@ Transform Transform::scale(const Vec3f& factors) {
 Transform Transform::rotate(const Vec3f& axis, double degrees) {
     const double length =
         std::sqrt(double(axis.x) * axis.x + double(axis.y) * axis.y + double(axis.z) * axis.z);
+    if (degrees == 0 && length == 0) return {};
     if (!(length > 0)) throw Error("rotation around an axis of zero length");
     const double x = axis.x / length, y = axis.y / length, z = axis.z / length;
     const double angle = degrees * (std::numbers::pi / 180.0);
@@ -120,11 +132,16 @@ Transform Transform::lookAt(const Vec3f& origin, const Vec3f& target, const Vec3
 Transform Transform::operator*(const Transform& other) const {
     Transform result;
     multiply(m_, other.m_, result.m_);
-    multiply(other.inv_, inv_, result.inv_);
+    result.singular_ = singular_ || other.singular_;
+    if (result.singular_)
+        adjugate3(result.m_, result.inv_);
+    else
+        multiply(other.inv_, inv_, result.inv_);
     return result;
 }
 
 Transform Transform::inverse() const {
+    if (singular_) throw Error("transform matrix is singular");
     Transform result;
     std::copy(&inv_[0][0], &inv_[0][0] + 16, &result.m_[0][0]);
     std::copy(&m_[0][0], &m_[0][0] + 16, &result.inv_[0][0]);

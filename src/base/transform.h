@@ -6,25 +6,29 @@
 namespace metrolux::core {
 
 /// Affine or projective map of 3D points, column-vector convention as in Mitsuba: p' = M p, and
-/// (a * b)(p) = a(b(p)). Kept in double precision with its inverse.
+/// (a * b)(p) = a(b(p)). Kept in double precision with its inverse. A map may be singular: it flattens space,
+/// and has no inverse.
 class Transform {
   public:
     Transform();  ///< identity
-    /// Rows of the matrix; throws Error when an element is not finite or the matrix is singular.
+    /// Rows of the matrix; throws Error when an element is not finite.
     static Transform fromRows(const double (&rows)[4][4]);
     static Transform translate(const Vec3f& offset);
     static Transform scale(const Vec3f& factors);
-    /// Rotation by `degrees` around `axis` (right-hand rule); throws Error for a zero axis.
+    /// Rotation by `degrees` around `axis` (right-hand rule); throws Error for a zero axis, unless there is
+    /// nothing to rotate by.
     static Transform rotate(const Vec3f& axis, double degrees);
     /// Camera-to-world map with +z toward target and +x to the left of the image (Mitsuba's convention).
     static Transform lookAt(const Vec3f& origin, const Vec3f& target, const Vec3f& up);
 
     Transform operator*(const Transform& other) const;
-    Transform inverse() const;
+    Transform inverse() const;  ///< throws Error when singular
+    bool isSingular() const { return singular_; }
 
     Vec3f point(const Vec3f& p) const;
     Vec3f vector(const Vec3f& v) const;
-    /// Transforms by the inverse transpose; the result is not normalized.
+    /// Transforms by the inverse transpose; the result is not normalized. A singular map takes the matrix of
+    /// cofactors in its place: the normal of the plane onto which it flattens, or zero where that has none.
     Vec3f normal(const Vec3f& n) const;
 
     double at(int row, int column) const { return m_[row][column]; }
@@ -34,7 +38,8 @@ class Transform {
 
   private:
     double m_[4][4];
-    double inv_[4][4];
+    double inv_[4][4];  ///< of a singular map the adjugate of the upper-left 3x3 block
+    bool singular_ = false;
 };
 
 }  // namespace metrolux::core

@@ -10,7 +10,9 @@ namespace {
 class Disk final : public AnalyticShape {
   public:
     Disk(const Transform& toWorld, bool flipNormals)
-        : toWorld_(toWorld), toLocal_(toWorld.inverse()), normal_(normalize(toWorld.normal(Vec3f(0, 0, 1)))) {
+        : toWorld_(toWorld), normal_(normalize(toWorld.normal(Vec3f(0, 0, 1)))) {
+        if (!(lengthSquared(normal_) > 0)) throw Error("disk: to_world leaves it no area");
+        toLocal_ = Affine(toWorld.isSingular() ? withHeight().inverse() : toWorld.inverse());
         if (flipNormals) normal_ = -normal_;
         area_ = static_cast<float>(std::numbers::pi * toWorld_.x.cross(toWorld_.y).length());
     }
@@ -52,6 +54,15 @@ class Disk final : public AnalyticShape {
     }
 
   private:
+    /// The map with the normal as the image of z: a disk has no height that the map could flatten.
+    Transform withHeight() const {
+        const Vec3d &x = toWorld_.x, &y = toWorld_.y, &o = toWorld_.offset;
+        return Transform::fromRows({{x.x, y.x, normal_.x, o.x},
+                                    {x.y, y.y, normal_.y, o.y},
+                                    {x.z, y.z, normal_.z, o.z},
+                                    {0, 0, 0, 1}});
+    }
+
     void fill(double x, double y, SurfaceInteraction& si) const {
         si.p = toFloat(toWorld_.point({x, y, 0}));
         si.ng = si.ns = normal_;

@@ -1,7 +1,9 @@
 #include "io/mesh_io.h"
 
 #include "base/error.h"
+#include "io/mesh_smoothing.h"
 
+#include <algorithm>
 #include <fstream>
 #include <limits>
 
@@ -48,8 +50,37 @@ std::string readMeshFile(const std::filesystem::path& path, const MeshOptions& o
     stream.read(text.data(), static_cast<std::streamsize>(size));
     if (static_cast<size_t>(stream.gcount()) != size)
         throw Error("{}: cannot be read in full", path.string());
+    constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
+    if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
     return text;
 }
+
+void warn(const MeshOptions& options, const std::string& message) {
+    if (options.warnings) options.warnings->push_back(message);
+}
+
+namespace {
+
+/// A map that mirrors turns the winding inside out; vertex normals do not follow it. Triangles without
+/// normals are turned back.
+void keepOutside(TriangleMesh& mesh) {
+    const auto isZero = [&](uint32_t v) { return mesh.normals[v] == Vec3f(0.0f); };
+    for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+        uint32_t* v = &mesh.indices[i];
+        if (mesh.normals.empty() || (isZero(v[0]) && isZero(v[1]) && isZero(v[2]))) std::swap(v[1], v[2]);
+    }
+}
+
+void warnOfLostNormals(const TriangleMesh& mesh, const MeshOptions& options) {
+    const auto lost = std::count(mesh.normals.begin(), mesh.normals.end(), Vec3f(0.0f));
+    if (lost > 0)
+        warn(options,
+             fmt::format("{} of {} vertex normals are undefined where to_world flattens the mesh: those "
+                         "of the faces stand in",
+                         lost, mesh.normals.size()));
+}
+
+}  // namespace
 
 void finishMesh(TriangleMesh& mesh, const std::filesystem::path& path, const MeshOptions& options) {
     mesh.id = path.filename().string();
@@ -59,11 +90,17 @@ void finishMesh(TriangleMesh& mesh, const std::filesystem::path& path, const Mes
         if (index >= mesh.positions.size())
             throw Error("{}: a face refers to vertex {} (counted from 0), but there are {}", path.string(),
                         index, mesh.positions.size());
-    if (options.faceNormals) mesh.normals.clear();
+    if (options.faceNormals || options.maxSmoothAngle) mesh.normals.clear();
     if (!options.toWorld.isIdentity())
         for (Vec3f& p : mesh.positions) p = options.toWorld.point(p);
     for (Vec3f& n : mesh.normals) n = normalize(options.toWorld.normal(n));
+    if (options.toWorld.determinant3() < 0) keepOutside(mesh);
+    if (options.maxSmoothAngle) {
+        requireMemory(path, options, mesh.indices.size(), 2 * sizeof(Vec3f) + sizeof(Vec2f), "the mesh");
+        splitAtSharpEdges(mesh, *options.maxSmoothAngle);
+    }
     if (mesh.normals.empty() && !options.faceNormals) mesh.computeVertexNormals();
+    if (options.toWorld.isSingular()) warnOfLostNormals(mesh, options);
     if (options.flipTexCoords)
         for (Vec2f& uv : mesh.uvs) uv.y = 1.0f - uv.y;
     try {

@@ -7,6 +7,7 @@
 #include <streambuf>
 #include <string_view>
 #include <tiny_obj_loader.h>
+#include <unordered_map>
 
 namespace metrolux::core {
 
@@ -34,14 +35,40 @@ bool isCorner(std::string_view word) {
     return true;
 }
 
+/// Stands for a space in the name of a material, at which tinyobjloader would end it.
+constexpr char kSpaceInName = '\x1f';
+
+/// A backslash at the end of a line, other than a comment, joins it with the next one. Returns the end of the
+/// whole line from `begin`; `lines` counts the lines that were joined.
+size_t joinLines(std::string& text, size_t begin, size_t& lines) {
+    size_t end = std::min(text.find('\n', begin), text.size());
+    if (const size_t first = text.find_first_not_of(" \t", begin); first < end && text[first] == '#')
+        return end;
+    while (end < text.size()) {
+        const size_t last = text.find_last_not_of(" \t\r", end - 1);
+        if (end == begin || last == std::string::npos || last < begin || text[last] != '\\') break;
+        std::fill(text.begin() + static_cast<std::ptrdiff_t>(last),
+                  text.begin() + static_cast<std::ptrdiff_t>(end + 1), ' ');
+        ++lines;
+        end = std::min(text.find('\n', end), text.size());
+    }
+    return end;
+}
+
 /// tinyobjloader reads what is no number as zero, and a missing coordinate too: such lines are refused here.
-/// Comments after faces, which it takes for further vertices, are blanked.
-void checkLines(const fs::path& path, std::string& text) {
-    size_t lineNumber = 0;
+/// Comments after faces, which it takes for further vertices, are blanked, and so are faces of less than
+/// three vertices: their number is returned.
+size_t checkLines(const fs::path& path, std::string& text) {
+    size_t lineNumber = 0, skipped = 0;
+    const auto blank = [&text](size_t from, size_t to) {
+        std::fill(text.begin() + static_cast<std::ptrdiff_t>(from),
+                  text.begin() + static_cast<std::ptrdiff_t>(to), ' ');
+    };
     for (size_t begin = 0; begin < text.size();) {
-        const size_t end = std::min(text.find('\n', begin), text.size());
-        std::string_view line(text.data() + begin, end - begin);
         ++lineNumber;
+        size_t joined = 0;
+        const size_t end = joinLines(text, begin, joined);
+        std::string_view line(text.data() + begin, end - begin);
         const std::string_view keyword = nextWord(line);
         const bool face = keyword == "f";
         const size_t expected = keyword == "v" || keyword == "vn" || face ? 3 : keyword == "vt" ? 2 : 0;
@@ -54,14 +81,24 @@ void checkLines(const fs::path& path, std::string& text) {
                 throw Error("{}:{}: \"{}\" is not {}", path.string(), lineNumber, word,
                             face ? "a vertex of a face (v, v/vt, v//vn or v/vt/vn)" : "a number");
         }
-        if (count < expected)
-            throw Error("{}:{}: \"{}\" with {} values, expected {}{}", path.string(), lineNumber, keyword,
-                        count, face ? "at least " : "", expected);
-        if (face)
-            std::fill(text.begin() + static_cast<std::ptrdiff_t>(end - line.size()),
-                      text.begin() + static_cast<std::ptrdiff_t>(end), ' ');
+        if (face && count < expected) {
+            blank(begin, end);
+            ++skipped;
+        } else if (count < expected) {
+            throw Error("{}:{}: \"{}\" with {} values, expected {}", path.string(), lineNumber, keyword,
+                        count, expected);
+        } else if (face) {
+            blank(end - line.size(), end);
+        } else if (keyword == "usemtl") {
+            const size_t first = text.find_first_not_of(" \t", end - line.size());
+            const size_t last = text.find_last_not_of(" \t\r", end - 1);
+            for (size_t i = first; i < last; ++i)
+                if (text[i] == ' ' || text[i] == '\t') text[i] = kSpaceInName;
+        }
+        lineNumber += joined;
         begin = end + 1;
     }
+    return skipped;
 }
 
 /// Collects what the parser reports; exceptions must not cross the library, so that the first error waits
@@ -76,6 +113,12 @@ class Builder {
     }
     void addNormal(float x, float y, float z) { normals_.emplace_back(x, y, z); }
     void addTexCoord(float u, float v) { texCoords_.emplace_back(u, v); }
+    void useMaterial(std::string name) {
+        std::replace(name.begin(), name.end(), kSpaceInName, ' ');
+        const auto [entry, isNew] = materialIds_.emplace(name, static_cast<uint32_t>(materials_.size()));
+        material_ = entry->second;
+        if (isNew) materials_.push_back(std::move(name));
+    }
 
     void addFace(const tinyobj::index_t* corners, int count) {
         ++faces_;
@@ -89,20 +132,59 @@ class Builder {
                 triangle[1] = triangle[2];
                 triangle[2] = vertex;
             }
-            if (i >= 2) mesh_->indices.insert(mesh_->indices.end(), triangle.begin(), triangle.end());
+            if (i < 2) continue;
+            mesh_->indices.insert(mesh_->indices.end(), triangle.begin(), triangle.end());
+            materialOfTriangle_.push_back(material_);
         }
     }
 
     std::shared_ptr<TriangleMesh> finish(const fs::path& path) {
-        if (!error_.empty()) throw Error("{}: {}", path.string(), error_);
-        if (normals_.empty()) mesh_->normals.clear();
-        if (texCoords_.empty()) mesh_->uvs.clear();
+        complete(path);
         finishMesh(*mesh_, path, options_);
         return mesh_;
     }
 
+    std::vector<MaterialPart> finishByMaterial(const fs::path& path) {
+        complete(path);
+        std::vector<std::vector<size_t>> triangles(materials_.size());
+        for (size_t i = 0; i < materialOfTriangle_.size(); ++i)
+            triangles[materialOfTriangle_[i]].push_back(i);
+        std::vector<MaterialPart> result;
+        for (size_t material = 0; material < materials_.size(); ++material) {
+            if (triangles[material].empty()) continue;
+            MaterialPart part{materials_[material], partOf(triangles[material])};
+            finishMesh(*part.mesh, path, options_);
+            result.push_back(std::move(part));
+        }
+        if (result.empty()) throw Error("{}: has no faces", path.string());
+        return result;
+    }
+
   private:
     static constexpr uint32_t kNone = ~0u;
+
+    void complete(const fs::path& path) {
+        if (!error_.empty()) throw Error("{}: {}", path.string(), error_);
+        if (normals_.empty()) mesh_->normals.clear();
+        if (texCoords_.empty()) mesh_->uvs.clear();
+    }
+
+    /// Some of the triangles with the vertices that they need.
+    std::shared_ptr<TriangleMesh> partOf(const std::vector<size_t>& triangles) const {
+        auto part = std::make_shared<TriangleMesh>();
+        std::unordered_map<uint32_t, uint32_t> moved;
+        for (size_t i = 0; i < 3 * triangles.size(); ++i) {
+            const uint32_t from = mesh_->indices[3 * triangles[i / 3] + i % 3];
+            const auto [entry, isNew] = moved.emplace(from, static_cast<uint32_t>(moved.size()));
+            if (isNew) {
+                part->positions.push_back(mesh_->positions[from]);
+                if (!mesh_->normals.empty()) part->normals.push_back(mesh_->normals[from]);
+                if (!mesh_->uvs.empty()) part->uvs.push_back(mesh_->uvs[from]);
+            }
+            part->indices.push_back(entry->second);
+        }
+        return part;
+    }
 
     /// A combination of indices that has become a vertex of the mesh; those of one position form a list.
     struct Corner {
@@ -160,6 +242,10 @@ class Builder {
     std::vector<Vec2f> texCoords_;
     std::vector<Corner> corners_;
     std::vector<uint32_t> firstOfPosition_;
+    std::vector<std::string> materials_ = {""};
+    std::unordered_map<std::string, uint32_t> materialIds_ = {{"", 0}};
+    std::vector<uint32_t> materialOfTriangle_;
+    uint32_t material_ = 0;
     size_t faces_ = 0;
     std::string error_;
 };
@@ -168,13 +254,13 @@ struct MemoryBuffer : std::streambuf {
     explicit MemoryBuffer(std::string& text) { setg(text.data(), text.data(), text.data() + text.size()); }
 };
 
-}  // namespace
-
-std::shared_ptr<TriangleMesh> readObj(const fs::path& path, const MeshOptions& options) {
+void parse(const fs::path& path, const MeshOptions& options, Builder& builder) {
     std::string text = readMeshFile(path, options);
-    checkLines(path, text);
-    Builder builder(options);
+    if (const size_t skipped = checkLines(path, text))
+        warn(options,
+             fmt::format("{}: faces of less than three vertices are left out ({})", path.string(), skipped));
     tinyobj::callback_t callbacks;
+    callbacks.usemtl_cb = [](void* b, const char* name, int) { static_cast<Builder*>(b)->useMaterial(name); };
     callbacks.vertex_cb = [](void* b, float x, float y, float z, float) {
         static_cast<Builder*>(b)->addVertex(x, y, z);
     };
@@ -192,7 +278,20 @@ std::shared_ptr<TriangleMesh> readObj(const fs::path& path, const MeshOptions& o
     std::string warning, error;
     if (!tinyobj::LoadObjWithCallback(stream, callbacks, &builder, nullptr, &warning, &error))
         throw Error("{}: {}", path.string(), error);
+}
+
+}  // namespace
+
+std::shared_ptr<TriangleMesh> readObj(const fs::path& path, const MeshOptions& options) {
+    Builder builder(options);
+    parse(path, options, builder);
     return builder.finish(path);
+}
+
+std::vector<MaterialPart> readObjByMaterial(const fs::path& path, const MeshOptions& options) {
+    Builder builder(options);
+    parse(path, options, builder);
+    return builder.finishByMaterial(path);
 }
 
 }  // namespace metrolux::core

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 using ply::Element;
 using ply::Property;
 
-/// A channel of an attribute by the end of its name: ("weight", 1) for "weight_g".
+/// A channel of an attribute by the end of its name: ("weight", 1) for "weight_y".
 struct Channel {
     std::string base;
     int scheme = -1, index = 0;  // no scheme: the property stands alone
@@ -32,9 +32,11 @@ Channel channelOf(const std::string& name) {
     for (int scheme = 0; scheme <= (hasPrefix ? kNumbers : 1); ++scheme) {
         const auto& names = kSchemes[scheme];
         const auto it = std::find(names.begin(), names.end(), suffix);
-        if (it != names.end())
-            return {hasPrefix ? name.substr(0, underscore) : "color", scheme,
-                    static_cast<int>(it - names.begin())};
+        if (it == names.end()) continue;
+        const bool isColor = scheme <= 1;
+        const std::string base =
+            !hasPrefix ? "color" : name.substr(0, underscore) + (isColor ? "_color" : "");
+        return {base, scheme, static_cast<int>(it - names.begin())};
     }
     return {name, -1, 0};
 }
@@ -184,6 +186,7 @@ class Reader {
         mesh_->indices.reserve(3 * element.count);
         std::vector<double> row(element.properties.size());
         std::vector<uint32_t> corners;
+        size_t skipped = 0;
         for (uint64_t face = 0; face < element.count; ++face) {
             for (size_t i = 0; i < element.properties.size(); ++i) {
                 const Property& p = element.properties[i];
@@ -198,9 +201,7 @@ class Reader {
                     if (isCorners(p)) corners.push_back(cornerIndex(value, face));
                 }
             }
-            if (corners.size() < 3)
-                throw Error("{}: face {} has {} vertices, expected 3 or more", path_.string(), face,
-                            corners.size());
+            skipped += corners.size() < 3 ? 1 : 0;
             // Every triangle of a polygon has all attributes of the face: more than the file holds.
             requireMemory(path_, options_, mesh_->primitiveCount() + corners.size(), triangleBytes,
                           "the faces");
@@ -209,6 +210,9 @@ class Reader {
                 append(attributes, element, row);
             }
         }
+        if (skipped > 0)
+            warn(options_, fmt::format("{}: faces of less than three vertices are left out ({})",
+                                       path_.string(), skipped));
         takeAttributes(attributes);
     }
 

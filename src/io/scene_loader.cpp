@@ -2,6 +2,7 @@
 
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/parser.h"
+#include "io/mitsuba/repetitions.h"
 
 namespace metrolux::core {
 namespace {
@@ -15,6 +16,8 @@ class Loader {
         context_.memory = memory;
         context_.searchPaths = scene_.searchPaths;
         context_.lenient = options.lenient;
+        isFragment_ = options.fragment;
+        chosenSensor_ = options.sensor;
         context_.warnings = std::move(scene_.warnings);
         context_.film = {options.width, options.height,    options.hasCrop,   options.cropX,
                          options.cropY, options.cropWidth, options.cropHeight};
@@ -36,7 +39,7 @@ class Loader {
         checkLights();
         unused();
         parts_.source = source;
-        parts_.warnings = std::move(context_.warnings);
+        parts_.warnings = withRepetitionsCounted(context_.warnings);
         return std::move(parts_);
     }
 
@@ -70,10 +73,27 @@ class Loader {
 
     void sensor() {
         const auto sensors = scene_.root->childrenOf("sensor");
+        if (sensors.empty() && isFragment_) {
+            context_.warn(*scene_.root, "found no <sensor>: there is nothing to render yet");
+            return;
+        }
         if (sensors.empty()) throw scene_.root->error("found no <sensor>, expected one");
-        if (sensors.size() > 1)
-            context_.warn(*sensors[1], fmt::format("{} sensors, the first is used", sensors.size()));
-        build(*sensors[0], [&] { parts_.camera = makeCamera(*sensors[0], context_, parts_); });
+        const ElementPtr sensor = chosenSensor_.empty() ? sensors[0] : findSensor(sensors);
+        if (sensors.size() > 1 && chosenSensor_.empty())
+            context_.warn(*sensors[1],
+                          fmt::format("{} sensors, the first is used; --sensor chooses", sensors.size()));
+        build(*sensor, [&] { parts_.camera = makeCamera(*sensor, context_, parts_); });
+    }
+
+    ElementPtr findSensor(const std::vector<ElementPtr>& sensors) const {
+        std::string list;
+        for (size_t i = 0; i < sensors.size(); ++i) {
+            const std::string& id = sensors[i]->id;
+            if (chosenSensor_ == id || chosenSensor_ == std::to_string(i)) return sensors[i];
+            list +=
+                fmt::format("{}{}{}", i > 0 ? ", " : "", i, id.empty() ? "" : fmt::format(" (\"{}\")", id));
+        }
+        throw scene_.root->error(fmt::format("--sensor {}: expected one of {}", chosenSensor_, list));
     }
 
     void emitters() {
@@ -125,6 +145,8 @@ class Loader {
         context_.warnings.emplace_back(error.what());
     }
 
+    bool isFragment_ = false;
+    std::string chosenSensor_;
     ParsedScene scene_;
     LoadContext context_;
     SceneParts parts_;
@@ -141,6 +163,10 @@ SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& optio
                                                   : MemoryBudget::unlimited();
     Loader loader(parseScene(file, options.defines, options.lenient, &memory), options, memory);
     SceneParts parts = loader.run(file.string());
+    if (options.strict && !parts.warnings.empty()) {
+        const size_t more = parts.warnings.size() - 1;
+        throw Error("{}{}", parts.warnings.front(), more ? fmt::format(" (and {} more warnings)", more) : "");
+    }
     if (files) {
         files->assign(1, file);
         for (const std::filesystem::path& read : loader.files())

@@ -1,6 +1,7 @@
 #include "command.h"
 
 #include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
 
 namespace metrolux::core::cli {
 namespace {
@@ -51,6 +52,42 @@ TEST_F(CliTest, InfoShowsWhatWasUnderstood) {
     for (const char* text :
          {"40x16 pixels", "gaussian", "path", "at most 8 edges", "1 Sphere", "AreaLight", "Dielectric"})
         EXPECT_THAT(outcome.out, HasSubstr(text));
+}
+
+TEST_F(CliTest, InfoReadsFragmentsAndRenderSaysWhatIsMissing) {
+    write("fragment.xml",
+          R"(<scene version="2.1.0"><shape type="rectangle"/><emitter type="constant"/></scene>)");
+    const Outcome info = run({"info", "fragment.xml"});
+    EXPECT_EQ(info.status, 0) << info.err;
+    for (const char* text : {"sensor      none", "1 TriangleMesh", "ConstantLight", "no <sensor>"})
+        EXPECT_THAT(info.out, HasSubstr(text));
+    const Outcome render = run({"render", "fragment.xml", "--passes", "1"});
+    EXPECT_EQ(render.status, 2);
+    EXPECT_THAT(render.err, HasSubstr("found no <sensor>"));
+}
+
+TEST_F(CliTest, InfoPrintsJson) {
+    const Outcome outcome = run({"info", "scene.xml", "--json"});
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    const auto json = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(json["film"]["size"], (std::vector<int>{24, 16}));
+    EXPECT_EQ(json["integrator"]["max_depth"], 8);
+    EXPECT_EQ(json["shapes"]["Sphere"], 1);
+    EXPECT_TRUE(json["warnings"].empty());
+}
+
+TEST_F(CliTest, StrictRefusesWhatIsWarnedOf) {
+    write("warned.xml",
+          R"(<scene version="3.0.0"><sensor type="perspective" id="a"/><sensor type="perspective"/>
+        <emitter type="constant"/></scene>)");
+    EXPECT_EQ(run({"info", "warned.xml"}).status, 0);
+    for (const char* command : {"info", "render"}) {
+        const Outcome outcome = run({command, "warned.xml", "--strict"});
+        EXPECT_EQ(outcome.status, 2);
+        EXPECT_THAT(outcome.err, HasSubstr("2 sensors"));
+    }
+    EXPECT_EQ(run({"info", "warned.xml", "--strict", "--sensor", "a"}).status, 0);
+    EXPECT_EQ(run({"info", "warned.xml", "--strict", "--lenient"}).status, 2);
 }
 
 TEST_F(CliTest, WrongOptionsFailWithStatus2AndSayWhatIsWrong) {

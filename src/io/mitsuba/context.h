@@ -36,6 +36,9 @@ struct LoadContext {
     /// Built objects by element, so that a shared <ref> is built once.
     std::unordered_map<const Element*, std::shared_ptr<const void>> built;
 
+    /// Mesh attributes that the textures in an element read.
+    std::unordered_map<const Element*, std::vector<std::string>> attributesRead;
+
     /// Existing file for a name in the scene; throws Error that lists where it was looked for.
     /// It is noted in `files`.
     std::filesystem::path resolve(const Element& element, const std::string& filename);
@@ -51,6 +54,7 @@ BsdfPtr makeBsdf(const Element& element, LoadContext& context);  // plugins_bsdf
 TexturePtr makeTexture(const Element& element, LoadContext& context,
                        bool emission = false);                     // plugins_texture.cpp
 LightPtr makeLight(const Element& element, LoadContext& context);  // plugins_emitter.cpp: all but area
+/// Null when it is left out.
 LightPtr makeAreaLight(const Element& element, const Shape& shape,
                        LoadContext& context);  // plugins_emitter.cpp
 CameraPtr makeCamera(const Element& element, LoadContext& context,

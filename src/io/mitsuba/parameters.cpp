@@ -33,6 +33,12 @@ std::vector<std::string> Parameters::names() const {
     return result;
 }
 
+std::string Parameters::definedText() const {
+    std::string list;
+    for (const std::string& known : names()) list += (list.empty() ? "" : ", ") + known;
+    return list.empty() ? "the scene declares no defaults" : "the scene declares: " + list;
+}
+
 std::string Parameters::substitute(const std::string& text) {
     if (text.find('$') == std::string::npos) return text;
     std::string result;
@@ -58,8 +64,8 @@ std::string Parameters::substitute(const std::string& text) {
             entry = entries_.find(text.substr(begin, --end - begin));
         if (entry == entries_.end()) {
             const std::string nearest = nearestName(whole, names());
-            throw Error("found ${}, which no <default> and no -D defines{}", whole,
-                        nearest.empty() ? "" : fmt::format("; did you mean ${}?", nearest));
+            throw Error("found ${}, which no <default> and no -D defines; {}", whole,
+                        nearest.empty() ? definedText() : fmt::format("did you mean ${}?", nearest));
         }
         entry->second.known = true;
         result += entry->second.value;
@@ -74,12 +80,8 @@ void Parameters::checkDefinesUsed(const std::string& file) const {
     for (const auto& [name, entry] : entries_) {
         if (entry.known) continue;
         const std::string nearest = nearestName(name, names());
-        std::string list;
-        for (const std::string& known : names()) list += (list.empty() ? "" : ", ") + known;
         throw Error("{}: -D {}={}: the scene has no <default name=\"{}\">; {}", file, name, entry.value, name,
-                    !nearest.empty() ? fmt::format("did you mean \"{}\"?", nearest)
-                    : list.empty()   ? "it declares no defaults"
-                                     : "it declares: " + list);
+                    nearest.empty() ? definedText() : fmt::format("did you mean \"{}\"?", nearest));
     }
 }
 

@@ -27,6 +27,7 @@ class Parameters {
         bool known = false;  ///< declared by the scene or used in it
     };
     std::vector<std::string> names() const;
+    std::string definedText() const;  ///< for messages: what there is
     std::map<std::string, Entry> entries_;
 };
 

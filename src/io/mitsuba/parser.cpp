@@ -1,9 +1,11 @@
 #include "io/mitsuba/parser.h"
 
+#include "io/lfs_pointer.h"
 #include "io/mitsuba/attributes.h"
 #include "io/mitsuba/references.h"
 #include "io/mitsuba/spectrum_plugins.h"
 #include "io/mitsuba/upgrade.h"
+#include "io/mitsuba/upgrade_oldest.h"
 #include "io/mitsuba/values.h"
 
 #include <algorithm>
@@ -35,7 +37,9 @@ bool contains(const std::vector<std::string>& list, const std::string& name) {
 /// A file that is being read.
 struct File {
     const Source& source;
-    bool legacy;
+    int version, minor;
+    bool isLegacy() const { return version < 2; }
+    bool isBefore(int minorVersion) const { return version == 0 && minor < minorVersion; }
 };
 
 class Parser {
@@ -76,7 +80,8 @@ class Parser {
         if (isScene && !name.empty())
             throw nodeError(source, node,
                             fmt::format("included under the name \"{}\", expected a single object", name));
-        const File file{source, isLegacy(source, node)};
+        const auto [version, minor] = versionOf(source, node);
+        const File file{source, version, minor};
         files_.insert(path.string());
         openFiles_.push_back(fs::weakly_canonical(path));
         if (!isScene) {
@@ -92,11 +97,12 @@ class Parser {
         openFiles_.pop_back();
     }
 
-    bool isLegacy(const Source& source, pugi::xml_node node) {
+    /// The version that the file names, major and minor.
+    std::pair<int, int> versionOf(const Source& source, pugi::xml_node node) {
         const pugi::xml_attribute attribute = node.attribute("version");
         const std::string version = attribute.value();
         std::string problem;
-        int major = 3;
+        int major = 3, minor = 0;
         if (!attribute) {
             problem = "has no attribute \"version\"";
         } else {
@@ -107,14 +113,15 @@ class Parser {
                 throw nodeError(
                     source, node,
                     fmt::format("found the version \"{}\", expected a number such as 3.0.0", version));
+            if (rest.size() > 1) std::from_chars(rest.data() + 1, rest.data() + rest.size(), minor);
             if (major < 0 || major > 3) problem = fmt::format("found the unknown version \"{}\"", version);
         }
-        if (problem.empty()) return major < 2;
+        if (problem.empty()) return {major, minor};
         const Error error =
             nodeError(source, node, problem + ", expected 0.4 to 0.6, 2.x or 3.x (such as \"3.0.0\")");
         if (!lenient_) throw error;
         warnings_.push_back(std::string(error.what()) + "; read as 3.x");
-        return false;
+        return {3, 0};
     }
 
     void contents(const File& file, pugi::xml_node node, Element& element, int depth) {
@@ -130,17 +137,21 @@ class Parser {
     }
 
     void item(const File& file, pugi::xml_node node, Element& parent, int depth) {
-        const std::string tag = node.name();
+        const std::string tag = file.isBefore(4) ? tagOf04(node.name()) : node.name();
         if (memory_) located(file, node, [&] { memory_->take(kElementBytes, "the element"); });
         if (contains(kObjectTags, tag) || (tag == "spectrum" && node.attribute("type"))) {
             object(file, node, parent, "", depth + 1);
             return;
         }
-        if (contains(kMediumTags, tag))
-            throw nodeError(file.source, node, "participating media are not supported");
+        if (contains(kMediumTags, tag)) {
+            const Error error = nodeError(file.source, node, "participating media are not supported");
+            if (!lenient_) throw error;
+            warnings_.push_back(std::string(error.what()) + "; left out");
+            return;
+        }
         if (tag == "transform") {
             const Attributes attributes(file.source, node, parameters_, {"name"});
-            const Transform value = parseTransform(file.source, node, parameters_, file.legacy);
+            const Transform value = parseTransform(file.source, node, parameters_, file.isLegacy());
             located(file, node, [&] { addNamed(file, node, parent, attributes["name"], value); });
             return;
         }
@@ -158,7 +169,7 @@ class Parser {
             references_.addAlias(attributes["id"], attributes["as"], file.source.at(node));
         } else if (tag == "ref") {
             reference(file, node, parent);
-        } else if (file.legacy && (tag == "mode" || tag == "hide")) {
+        } else if (file.isLegacy() && (tag == "mode" || tag == "hide")) {
             warnings_.emplace_back(nodeError(file.source, node, "has no effect and is ignored").what());
         } else if (contains(kOtherTags, tag) && tag != "scene") {
             property(file, node, tag, parent);
@@ -185,23 +196,24 @@ class Parser {
             isRoot ? Attributes(file.source, node, parameters_, {"type"}, {"id", "name", "version"})
                    : Attributes(file.source, node, parameters_, {"type"}, {"id", "name"});
         auto element = std::make_shared<Element>();
-        element->tag = node.name();
+        element->tag = file.isBefore(4) ? tagOf04(node.name()) : node.name();
         element->type = attributes["type"];
         element->id = attributes.get("id");
         element->location = file.source.at(node);
-        element->legacy = file.legacy;
+        element->version = file.version;
         if (element->type.empty())
             throw nodeError(file.source, node, "has an empty type, expected a plugin's name");
         const std::string name = attributes.has("name") ? attributes["name"] : nameInParent;
         contents(file, node, *element, depth);
-        if (file.legacy) upgradeElement(*element, warnings_);
+        if (file.isBefore(5)) upgradeOldest(*element, file.minor);
+        if (file.isLegacy()) upgradeElement(*element, warnings_);
         if (element->tag == "spectrum") {
-            if (!name.empty() && element->id.empty()) {
+            if (isSpectrumPlugin(element->type) && !name.empty() && element->id.empty()) {
                 auto value = spectrumFromPlugin(*element);
                 located(file, node, [&] { addNamed(file, node, parent, name, std::move(value)); });
                 return;
             }
-            throw nodeError(file.source, node, "expected a spectrum plugin to have a name and no id");
+            element->tag = "texture";  // spectra and textures are one kind of plugin since 2.0
         }
         references_.addElement(element);
         addElement(file, node, parent, name, element);
@@ -230,6 +242,7 @@ class Parser {
         if (value.is_relative()) {
             candidates = {file.source.file().parent_path() / value};
             for (const fs::path& folder : searchPaths()) candidates.push_back(folder / value);
+            candidates.push_back(value);
         }
         for (const fs::path& candidate : candidates) {
             std::error_code code;
@@ -256,7 +269,13 @@ class Parser {
             located(file, node, [&] { addNamed(file, node, parent, a["name"], vector(a)); });
         } else if (tag == "spectrum") {
             const Attributes a(source, node, parameters_, {"name"}, {"value", "filename", "intent"});
-            located(file, node, [&] { addNamed(file, node, parent, a["name"], spectrum(file, a)); });
+            located(file, node, [&] {
+                const bool isOld = file.isLegacy() && a.has("value");
+                if (const auto channels = isOld ? parseChannels(a["value"]) : std::nullopt)
+                    addNamed(file, node, parent, a["name"], RgbValue{*channels});
+                else
+                    addNamed(file, node, parent, a["name"], spectrum(file, a));
+            });
         } else if (tag == "blackbody") {
             const Attributes a(source, node, parameters_, {"name", "temperature"}, {"scale"});
             located(file, node, [&] {
@@ -314,9 +333,14 @@ class Parser {
         const auto same = [&](const auto& entry) { return entry.first == name; };
         const auto earlier = std::find_if(parent.named.begin(), parent.named.end(), same);
         if (name.empty()) throw Error("found an empty name, expected a property's name");
-        if (earlier != parent.named.end())
-            throw Error("found the property \"{}\" a second time, expected it once (first at {})", name,
-                        earlier->second.location.str());
+        if (earlier != parent.named.end()) {
+            const std::string problem = fmt::format("found the property \"{}\" a second time", name);
+            const std::string first = earlier->second.location.str();
+            if (!file.isLegacy()) throw Error("{}, expected it once (first at {})", problem, first);
+            const std::string message = fmt::format("{}; the last one holds (first at {})", problem, first);
+            warnings_.emplace_back(nodeError(file.source, node, message).what());
+            parent.named.erase(earlier);
+        }
         if (parent.named.size() >= kMaxProperties)
             throw Error("more than {} properties in one element", kMaxProperties);
         Property entry{std::move(value), file.source.at(node), false, nextOrder_++};
@@ -325,7 +349,10 @@ class Parser {
 
     void addElement(const File& file, pugi::xml_node node, Element& parent, const std::string& name,
                     ElementPtr element) {
-        if (!name.empty()) {
+        // In 0.x a child's name need not be unique where children are collected.
+        const bool collects = parent.tag == "scene" || parent.type == "shapegroup" || parent.type == "obj";
+        const bool repeats = file.isLegacy() && collects && parent.has(name);
+        if (!name.empty() && !repeats) {
             located(file, node, [&] { addNamed(file, node, parent, name, std::move(element)); });
         } else {
             parent.children.push_back({std::move(element), file.source.at(node), false, nextOrder_++});
@@ -357,19 +384,24 @@ fs::path findFile(const std::string& filename, const fs::path& from,
     if (name.find('\0') != std::string::npos || name.size() > 4096)
         throw Error("found an unusable file name");
     std::vector<fs::path> folders;
+    const auto add = [&folders](const fs::path& folder) {
+        if (std::find(folders.begin(), folders.end(), folder) == folders.end()) folders.push_back(folder);
+    };
     if (!fs::path(name).is_absolute()) {
         const fs::path own = from.parent_path();
-        if (searchPaths.empty() || own != searchPaths.back()) folders.push_back(own);
-        folders.insert(folders.end(), searchPaths.begin(), searchPaths.end());
-    } else {
-        folders.emplace_back();
+        if (searchPaths.empty() || own != searchPaths.back()) add(own);
+        for (const fs::path& folder : searchPaths) add(folder);
     }
+    add({});  // absolute, or in the working folder
     bool foundFolder = false;
     for (int attempt = 0; attempt < 2; ++attempt) {
         for (const fs::path& folder : folders) {
             std::error_code code;
             const fs::path candidate = folder / name;
-            if (fs::is_regular_file(candidate, code)) return candidate;
+            if (fs::is_regular_file(candidate, code)) {
+                refuseLfsPointer(candidate);
+                return candidate;
+            }
             foundFolder = foundFolder || fs::is_directory(candidate, code);
         }
         std::replace(name.begin(), name.end(), '\\', '/');  // scenes exported on Windows

@@ -22,13 +22,14 @@ struct ParsedScene {
     std::vector<std::string> warnings;
 };
 
-/// Throws Error. When lenient, a missing or unknown version is a warning. The elements are booked on
-/// `memory`, if given.
+/// Throws Error. When lenient, a missing or unknown version and participating media are warnings. The
+/// elements are booked on `memory`, if given.
 ParsedScene parseScene(const std::filesystem::path& file, const std::map<std::string, std::string>& defines,
                        bool lenient = false, MemoryBudget* memory = nullptr);
 
 /// The existing regular file that `filename`, written in the file `from`, names. Included files look in their
-/// own folder first, then all in `searchPaths`. Throws Error that lists the folders.
+/// own folder first, then all in `searchPaths`; the working folder comes last. Throws Error that lists the
+/// folders, and for a pointer of Git LFS in place of the file.
 std::filesystem::path findFile(const std::string& filename, const std::filesystem::path& from,
                                const std::vector<std::filesystem::path>& searchPaths);
 

@@ -1,13 +1,18 @@
 /// BSDFs: Mitsuba 3's parameters and defaults, and what 0.6 scenes need in addition.
 
 #include "io/mitsuba/context.h"
+#include "io/mitsuba/unknown_plugins.h"
+#include "io/mitsuba/values.h"
 #include "scattering/blend.h"
 #include "scattering/bump_map.h"
+#include "scattering/coating.h"
 #include "scattering/conductor.h"
 #include "scattering/dielectric.h"
 #include "scattering/diffuse.h"
+#include "scattering/diffuse_transmitter.h"
 #include "scattering/ior_table.h"
 #include "scattering/mask.h"
+#include "scattering/mixture.h"
 #include "scattering/normal_map.h"
 #include "scattering/null_bsdf.h"
 #include "scattering/phong.h"
@@ -16,6 +21,7 @@
 #include "scattering/principled_thin.h"
 #include "scattering/rough_conductor.h"
 #include "scattering/rough_dielectric.h"
+#include "scattering/rough_diffuse.h"
 #include "scattering/rough_plastic.h"
 #include "scattering/textures/constant.h"
 #include "scattering/thin_dielectric.h"
@@ -112,7 +118,7 @@ void readConductor(const Source& s, Parameters& p) {
         p.eta = read("eta", 0);
         p.k = read("k", 1);
     } else {
-        const std::string name = e.string("material", e.legacy ? "Cu" : "none");
+        const std::string name = e.string("material", e.isLegacy() ? "Cu" : "none");
         const auto material = namedConductor(name);
         if (!material)
             throw e.error(fmt::format("found the material \"{}\", expected one of: {}", name,
@@ -135,6 +141,10 @@ MicrofacetType readDistribution(const Source& s) {
     const std::string name = s.element.string("distribution", "beckmann");
     if (name == "beckmann") return MicrofacetType::Beckmann;
     if (name == "ggx") return MicrofacetType::Ggx;
+    if (s.element.isLegacy() && (name == "phong" || name == "as")) {
+        s.context.warn(s.element, fmt::format("the distribution \"{}\" of 0.6 is read as beckmann", name));
+        return MicrofacetType::Beckmann;
+    }
     throw s.element.error(fmt::format("found the distribution \"{}\", expected beckmann or ggx", name));
 }
 
@@ -285,6 +295,56 @@ BsdfPtr blend(const Source& s) {
     return makeBlend({s.scalar("weight", 0.5f), nested[0], nested[1]});
 }
 
+/// 0.6: weights as one text, for as many nested BSDFs.
+BsdfPtr mixture(const Source& s) {
+    const Element& e = s.element;
+    const std::vector<BsdfPtr> nested = s.nested(1, 64);
+    const std::string text = e.requiredString("weights");
+    std::vector<double> weights;
+    try {
+        weights = parseNumberList(text);
+    } catch (const Error& problem) {
+        throw e.error(*e.find("weights"), problem.what());
+    }
+    if (weights.size() != nested.size())
+        throw e.error(*e.find("weights"),
+                      fmt::format("found {} weights for {} nested <bsdf> elements, expected as many",
+                                  weights.size(), nested.size()));
+    double sum = 0;
+    for (const double w : weights) sum += w;
+    if (sum > 1) s.context.warn(e, fmt::format("the sum of the weights, {:.3g}, is scaled to 1", sum));
+    MixtureParameters p;
+    for (size_t i = 0; i < nested.size(); ++i)
+        p.parts.push_back({static_cast<float>(weights[i] / std::max(sum, 1.0)), nested[i]});
+    return s.make(makeMixture, p);
+}
+
+BsdfPtr coating(const Source& s) {
+    CoatingParameters p;
+    p.eta = s.relativeIor("bk7");
+    p.thickness = s.element.number("thickness", 1);
+    if (const ElementPtr child = s.element.child("sigma_a"))
+        p.sigmaA = makeTexture(*child, s.context);
+    else
+        p.sigmaA = makeConstantTexture(unboundedColor(s.element, "sigma_a", s.context, Rgb(0.0f)));
+    p.specularReflectance = s.color("specular_reflectance", 1);
+    p.base = s.nested(1, 1)[0];
+    if (s.element.type == "roughcoating") {
+        const float alpha = s.element.number("alpha", 0.1f);
+        p.facets.emplace(readDistribution(s), alpha, alpha);
+    }
+    return s.make(makeCoating, p);
+}
+
+BsdfPtr roughDiffuse(const Source& s) {
+    return makeRoughDiffuse(
+        {s.color("reflectance", 0.5f), s.scalar("alpha", 0.2f), s.element.boolean("use_fast_approx", false)});
+}
+
+BsdfPtr diffuseTransmitter(const Source& s) {
+    return makeDiffuseTransmitter({s.color("transmittance", 0.5f)});
+}
+
 PerturbationOptions perturbation(const Source& s) {
     return {s.element.boolean("flip_invalid_normals", true),
             s.element.boolean("use_shadowing_function", true)};
@@ -321,15 +381,17 @@ const std::vector<std::pair<std::string, Factory>> kFactories = {
     {"bumpmap", bumpMap},
     {"normalmap", normalMap},
     {"null", nothing},
+    {"mixturebsdf", mixture},
+    {"coating", coating},
+    {"roughcoating", coating},
+    {"roughdiffuse", roughDiffuse},
+    {"difftrans", diffuseTransmitter},
 };
 
 BsdfPtr unknown(const Element& element, LoadContext& context) {
     std::vector<std::string> names;
     for (const auto& [name, factory] : kFactories) names.push_back(name);
-    const std::string nearest = nearestName(element.type, names);
-    const std::string message = nearest.empty()
-                                    ? fmt::format("unknown BSDF type, expected one of: {}", joined(names))
-                                    : fmt::format("unknown BSDF type; did you mean \"{}\"?", nearest);
+    const std::string message = unknownPlugin(element, "BSDF", names);
     if (!context.lenient) throw element.error(message);
     context.warn(element, message + " (a gray diffuse surface stands in)");
     return makeDiffuse({makeConstantTexture(Rgb(0.5f))});

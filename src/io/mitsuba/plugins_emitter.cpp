@@ -3,6 +3,9 @@
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/field_of_view.h"
 #include "io/mitsuba/plugins_sunsky.h"
+#include "io/mitsuba/unknown_plugins.h"
+
+#include <algorithm>
 
 namespace metrolux::core::mitsuba {
 
@@ -137,11 +140,9 @@ LightPtr makeLight(const Element& element, LoadContext& context) {
     if (element.type == "sunsky" || element.type == "sky" || element.type == "sun") make = makeSunSkyLight;
     if (element.type == "area") throw element.error("an area light has to be nested in the shape that emits");
     if (!make) {
-        const std::string nearest = nearestName(element.type, kEmitterTypes);
-        const std::string message = "unknown emitter type" +
-                                    (nearest.empty() ? std::string() : "; did you mean \"" + nearest + "\"?");
+        const std::string message = unknownPlugin(element, "emitter", kEmitterTypes);
         if (!context.lenient) throw element.error(message);
-        context.warn(element, message + " (\"" + element.type + "\" is left out)");
+        context.warn(element, message + " (it is left out)");
         return nullptr;
     }
     readSamplingWeight(element, context);
@@ -151,7 +152,15 @@ LightPtr makeLight(const Element& element, LoadContext& context) {
 }
 
 LightPtr makeAreaLight(const Element& element, const Shape& shape, LoadContext& context) {
-    if (element.type != "area") throw element.error("a shape's emitter has to be of type \"area\"");
+    if (element.type != "area") {
+        const bool isKnown =
+            std::find(kEmitterTypes.begin(), kEmitterTypes.end(), element.type) != kEmitterTypes.end();
+        const std::string message = isKnown ? "a shape's emitter has to be of type \"area\""
+                                            : unknownPlugin(element, "emitter", {"area"});
+        if (!context.lenient) throw element.error(message);
+        context.warn(element, message + " (it is left out)");
+        return nullptr;
+    }
     readSamplingWeight(element, context);
     LightPtr light = located(element, [&] {
         return metrolux::core::makeAreaLight(

@@ -107,9 +107,9 @@ void readIntegrator(const Element& element, LoadContext& context, SceneParts& pa
         parts.limits.rouletteDepth = roulette == -1 ? std::numeric_limits<int>::max() : roulette;
         parts.limits.hideEmitters = element.boolean("hide_emitters", false);
         ignore(element, kIgnored, context);
-        if (element.legacy || contains(kLegacyTypes, type) || type == "bdpt")
+        if (element.isLegacy() || contains(kLegacyTypes, type) || type == "bdpt")
             ignore(element, kLegacyIgnored, context);
-        if (direct && element.legacy) ignore(element, {"max_depth", "rr_depth"}, context);
+        if (direct && element.isLegacy()) ignore(element, {"max_depth", "rr_depth"}, context);
     } else {
         Names known = kTypes;
         known.insert(known.end(), kWrappers.begin(), kWrappers.end());

@@ -1,5 +1,6 @@
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/field_of_view.h"
+#include "io/mitsuba/unknown_plugins.h"
 
 namespace metrolux::core::mitsuba {
 
@@ -7,11 +8,6 @@ namespace {
 
 constexpr int64_t kMaxPixels = int64_t(1) << 28;
 constexpr uint64_t kFilmPixelBytes = 128;  // allowance for what a Film keeps of one
-
-std::string suggestion(const std::string& name, const std::vector<std::string>& known) {
-    const std::string nearest = nearestName(name, known);
-    return nearest.empty() ? "" : "; did you mean \"" + nearest + "\"?";
-}
 
 /// The unnamed child with a tag; null if there is none, Error if there are several.
 ElementPtr onlyChild(const Element& element, const std::string& tag) {
@@ -32,7 +28,7 @@ void readFilter(const Element& element, LoadContext& context, SceneParts& parts)
         }
     }
     if (!known) {
-        const std::string message = "unknown reconstruction filter" + suggestion(element.type, names);
+        const std::string message = unknownPlugin(element, "reconstruction filter", names);
         if (!context.lenient) throw element.error(message);
         context.warn(element, message + " (gaussian is used)");
         return;
@@ -46,7 +42,7 @@ void readFilter(const Element& element, LoadContext& context, SceneParts& parts)
         if (!(p.stddev > 0)) throw element.error("\"stddev\" must be positive");
     } else if (parts.filterKind == Kind::Mitchell) {
         // Mitsuba 3 calls the parameters A and B, 0.x (and the paper) B and C.
-        const bool paper = element.has("C") || (element.legacy && !element.has("A"));
+        const bool paper = element.has("C") || (element.isLegacy() && !element.has("A"));
         p.b = element.number(paper ? "B" : "A", p.b);
         p.c = element.number(paper ? "C" : "B", p.c);
     } else if (parts.filterKind == Kind::Lanczos) {
@@ -76,16 +72,21 @@ void readFormats(const Element& element, LoadContext& context) {
     for (const Format& format : formats) {
         std::string value = element.string(format.property, format.fallback);
         for (char& c : value) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        if (std::find(format.known.begin(), format.known.end(), value) == format.known.end())
-            throw element.error(fmt::format("found {} \"{}\", expected one of {}{}", format.property, value,
-                                            fmt::join(format.known, ", "), suggestion(value, format.known)));
+        const bool isKnown = std::find(format.known.begin(), format.known.end(), value) != format.known.end();
+        if (!isKnown && !element.isLegacy() && !context.lenient)
+            throw element.error(fmt::format("found {} \"{}\", expected one of {}", format.property, value,
+                                            fmt::join(format.known, ", ")));
         if (std::find(format.fulfilled.begin(), format.fulfilled.end(), value) == format.fulfilled.end())
             context.warn(element, fmt::format("{} \"{}\" has no effect: images are written as RGB",
                                               format.property, value));
     }
-    if (element.boolean("sample_border", false))
-        context.warn(element,
-                     "\"sample_border\" has no effect: the filter is exact at the border of the image");
+    // 2.x has it under another name.
+    const std::string border =
+        element.version == 2 && element.has("high_quality_edges") ? "high_quality_edges" : "sample_border";
+    if (element.boolean(border, false))
+        context.warn(
+            element,
+            fmt::format("\"{}\" has no effect: the filter is exact at the border of the image", border));
     element.ignore("compensate");  // sums are always exact enough
     element.ignore("banner");
 }
@@ -139,12 +140,10 @@ FilmWindow overridden(const Element& element, FilmWindow w, const FilmOverride& 
 }
 
 FilmWindow readFilm(const Element& element, LoadContext& context, SceneParts& parts) {
-    const std::vector<std::string> types = {"hdrfilm", "specfilm", "ldrfilm"};
     if (element.type != "hdrfilm") {
-        const std::string message =
-            "unknown film type" + suggestion(element.type, types) + " (supported: hdrfilm)";
+        const std::string message = unknownPlugin(element, "film", {"hdrfilm"});
         if (!context.lenient) throw element.error(message);
-        context.warn(element, message);
+        context.warn(element, message + " (read as hdrfilm)");
     }
     FilmWindow w = fullWindow(readSize(element, "width", 768), readSize(element, "height", 576));
     w.width = readSize(element, "crop_width", w.fullWidth);
@@ -209,9 +208,12 @@ CameraPtr makeOrthographic(const Element& element, LoadContext& context, const F
 
 CameraPtr makeCamera(const Element& element, LoadContext& context, SceneParts& parts) {
     const std::vector<std::string> types = {"perspective", "thinlens", "orthographic"};
-    if (std::find(types.begin(), types.end(), element.type) == types.end())
-        throw element.error("unknown sensor type" + suggestion(element.type, types) +
-                            " (supported: perspective, thinlens, orthographic)");
+    const bool isKnown = std::find(types.begin(), types.end(), element.type) != types.end();
+    if (!isKnown) {
+        const std::string message = unknownPlugin(element, "sensor", types);
+        if (!context.lenient) throw element.error(message);
+        context.warn(element, message + " (read as perspective)");
+    }
 
     const ElementPtr film = onlyChild(element, "film");
     const FilmWindow window = film ? readFilm(*film, context, parts) : overridden(element, {}, context.film);

@@ -3,6 +3,9 @@
 #include "geometry/affine.h"
 #include "io/mesh_io.h"
 #include "io/mitsuba/context.h"
+#include "io/mitsuba/heightfield.h"
+#include "io/mitsuba/mesh_attributes.h"
+#include "io/mitsuba/unknown_plugins.h"
 #include "scattering/diffuse.h"
 #include "scattering/textures/constant.h"
 
@@ -15,51 +18,67 @@ namespace {
 using MakeShape = ShapePtr (*)(const Element&, LoadContext&);
 
 MeshOptions meshOptions(const Element& element, LoadContext& context, bool flipTexCoords) {
-    // Mitsuba 0.x could split vertices at sharp edges; with another angle the picture would differ.
-    if (element.has("max_smooth_angle"))
-        throw element.error(
-            *element.find("max_smooth_angle"),
-            "max_smooth_angle is not supported; use face_normals, or store normals in the mesh");
     MeshOptions options;
     options.memory = &context.memory;
-    options.toWorld = element.transform("to_world");
+    options.toWorld = element.transform("to_world", true);
     options.flipNormals = element.boolean("flip_normals", false);
     options.faceNormals = element.boolean("face_normals", false);
+    if (element.version == 2 && element.has("disable_vertex_normals"))  // of 2.0
+        options.faceNormals = element.boolean("disable_vertex_normals", false);
     options.flipTexCoords = element.boolean("flip_tex_coords", flipTexCoords);
+    if (element.isLegacy() && element.has("max_smooth_angle")) {
+        if (options.faceNormals)
+            throw element.error(
+                "found \"max_smooth_angle\" as well as \"face_normals\", expected one of them");
+        options.maxSmoothAngle = element.number("max_smooth_angle", 0);
+    }
     return options;
 }
 
-std::filesystem::path meshFile(const Element& element, LoadContext& context) {
-    return context.resolve(element, element.requiredString("filename"));
+/// Reads a mesh with `read(file, options)`; its warnings get the element's place.
+template <class Read>
+auto readMesh(const Element& element, LoadContext& context, bool flipTexCoords, Read&& read) {
+    std::vector<std::string> warnings;
+    MeshOptions options = meshOptions(element, context, flipTexCoords);
+    options.warnings = &warnings;
+    auto result = read(context.resolve(element, element.requiredString("filename")), options);
+    for (const std::string& warning : warnings) context.warn(element, warning);
+    return result;
 }
 
 struct Placement {
     Transform toWorld;
     bool flipNormals;
-    explicit Placement(const Element& element)
-        : toWorld(element.transform("to_world")), flipNormals(element.boolean("flip_normals", false)) {}
+    explicit Placement(const Element& element) : Placement(element, false) {}
+    Placement(const Element& element, bool mayFlatten)
+        : toWorld(element.transform("to_world", mayFlatten)),
+          flipNormals(element.boolean("flip_normals", false)) {}
 };
 
 ShapePtr makeObjShape(const Element& element, LoadContext& context) {
-    return readObj(meshFile(element, context), meshOptions(element, context, true));
+    return readMesh(element, context, true, readObj);
 }
 
 ShapePtr makePlyShape(const Element& element, LoadContext& context) {
-    return readPly(meshFile(element, context), meshOptions(element, context, false));
+    return readMesh(element, context, false, readPly);
 }
 
 ShapePtr makeSerializedShape(const Element& element, LoadContext& context) {
     const int64_t index = element.integer("shape_index", 0);
     if (index < 0 || index > std::numeric_limits<int>::max())
         throw element.error(fmt::format("shape_index is {}, expected 0 or more", index));
-    return readSerialized(meshFile(element, context), static_cast<int>(index),
-                          meshOptions(element, context, false));
+    return readMesh(element, context, false,
+                    [&](const std::filesystem::path& file, const MeshOptions& options) {
+                        return readSerialized(file, static_cast<int>(index), options);
+                    });
 }
 
 ShapePtr makeSphereShape(const Element& element, LoadContext&) {
     const Placement placement(element);
+    // A map that mirrors turns the normals in 2.x and 3.x, but not in 0.6.
+    const bool turns = element.isLegacy() && placement.toWorld.determinant3() < 0;
     return makeSphere(placement.toWorld, element.vector("center", Vec3f(0.0f)),
-                      element.number("radius", 1.0f), placement.flipNormals);
+                      element.number("radius", 1.0f), placement.flipNormals != turns);
 }
 
 ShapePtr makeCylinderShape(const Element& element, LoadContext&) {
@@ -72,7 +91,7 @@ ShapePtr makeCylinderShape(const Element& element, LoadContext&) {
 /// Shapes that a placement describes completely.
 template <ShapePtr (*Make)(const Transform&, bool)>
 ShapePtr makePlaced(const Element& element, LoadContext&) {
-    const Placement placement(element);
+    const Placement placement(element, true);
     return Make(placement.toWorld, placement.flipNormals);
 }
 
@@ -83,10 +102,11 @@ struct Plugin {
 constexpr Plugin kPlugins[] = {
     {"obj", makeObjShape},          {"ply", makePlyShape},           {"serialized", makeSerializedShape},
     {"sphere", makeSphereShape},    {"cylinder", makeCylinderShape}, {"rectangle", makePlaced<makeRectangle>},
-    {"disk", makePlaced<makeDisk>}, {"cube", makePlaced<makeCube>},
+    {"disk", makePlaced<makeDisk>}, {"cube", makePlaced<makeCube>},  {"heightfield", makeHeightfield},
 };
 constexpr const char* kGroup = "shapegroup";
 constexpr const char* kInstance = "instance";
+constexpr const char* kMerge = "merge";  // 3.x: its shapes, which may share a mesh
 /// Allowances for an object, its light, and its part of the ray tracing structure.
 constexpr uint64_t kShapeBytes = 2048, kInstanceBytes = 1024;
 
@@ -106,69 +126,145 @@ auto withLocation(const Element& element, Make&& make) {
         return make();
     } catch (const Error& error) {
         const std::string message = error.what();
-        if (message.starts_with(element.location.str())) throw;
+        if (message.starts_with(element.location.file + ":")) throw;
         throw element.error(message);
     }
 }
 
-void attachBsdf(const Element& element, LoadContext& context, Shape& shape, bool emits) {
-    if (const ElementPtr bsdf = onlyChild(element, "bsdf")) {
-        shape.bsdf = makeBsdf(*bsdf, context);
-        return;
+/// A shape and the element of its BSDF, null for none.
+struct ShapePart {
+    ShapePtr shape;
+    ElementPtr bsdf;
+};
+
+/// 0.6: of an OBJ the BSDFs with a name are for the faces under that name of a material (usemtl), those
+/// without for all; the last one holds.
+std::vector<ShapePart> objByMaterial(const Element& element, const std::vector<NamedChild>& bsdfs,
+                                     LoadContext& context) {
+    const auto parts = readMesh(element, context, true, readObjByMaterial);
+    const auto isUsed = [&](const std::string& name) {
+        return name.empty() || std::any_of(parts.begin(), parts.end(),
+                                           [&](const MaterialPart& p) { return p.material == name; });
+    };
+    // The name of an only BSDF is often "bsdf", and means nothing.
+    if (bsdfs.size() == 1 && !isUsed(bsdfs[0].name))
+        return {{makeObjShape(element, context), bsdfs[0].element}};
+    std::vector<ShapePart> result;
+    for (const MaterialPart& part : parts) {
+        ShapePart& made = result.emplace_back(ShapePart{part.mesh, nullptr});
+        for (const NamedChild& bsdf : bsdfs)
+            if (bsdf.name.empty() || bsdf.name == part.material) made.bsdf = bsdf.element;
     }
-    // As in Mitsuba, a light without a BSDF does not reflect.
-    shape.bsdf = makeDiffuse({makeConstantTexture(Rgb(emits ? 0.0f : 0.5f))});
+    for (const NamedChild& bsdf : bsdfs)
+        if (!isUsed(bsdf.name))
+            context.warn(element,
+                         fmt::format("no face of the file has the material \"{}\" (usemtl): the BSDF of "
+                                     "this name has no effect",
+                                     bsdf.name));
+    return result;
 }
 
-/// The shape of a plain plugin with its material and its light; null if the type is unknown and that is let
-/// pass.
-ShapePtr makeShape(const Element& element, LoadContext& context, std::vector<LightPtr>& lights) {
+/// The shapes that the plugin makes of an element: one, but for an OBJ whose materials have BSDFs.
+std::vector<ShapePart> makeParts(const Element& element, const Plugin& plugin, LoadContext& context) {
+    if (element.isLegacy() && element.type == "obj") {
+        const std::vector<NamedChild> bsdfs = element.namedChildrenOf("bsdf");
+        const auto hasName = [](const NamedChild& bsdf) { return !bsdf.name.empty(); };
+        if (std::any_of(bsdfs.begin(), bsdfs.end(), hasName)) return objByMaterial(element, bsdfs, context);
+    }
+    return {{plugin.make(element, context), onlyChild(element, "bsdf")}};
+}
+
+const Plugin* findPlugin(const Element& element, LoadContext& context) {
     const auto* plugin = std::find_if(std::begin(kPlugins), std::end(kPlugins),
                                       [&](const Plugin& p) { return element.type == p.type; });
-    if (plugin == std::end(kPlugins)) {
-        std::vector<std::string> names = {kGroup, kInstance};
-        for (const Plugin& p : kPlugins) names.emplace_back(p.type);
-        const std::string nearest = nearestName(element.type, names);
-        const std::string message = fmt::format(
-            "unknown shape type{}", nearest.empty() ? "" : fmt::format(", did you mean \"{}\"?", nearest));
-        if (!context.lenient) throw element.error(message);
-        context.warn(element, fmt::format("{} (\"{}\"); the shape is left out", message, element.type));
-        return nullptr;
+    if (plugin != std::end(kPlugins)) return plugin;
+    std::vector<std::string> names = {kGroup, kInstance, kMerge};
+    for (const Plugin& p : kPlugins) names.emplace_back(p.type);
+    const std::string message = unknownPlugin(element, "shape", names);
+    if (!context.lenient) throw element.error(message);
+    context.warn(element, message + " (the shape is left out)");
+    return nullptr;
+}
+
+/// Whether the map leaves a line or a point, which has no normal in any direction.
+bool leavesNoArea(const Transform& map) {
+    const auto isLost = [&](const Vec3f& n) { return map.normal(n) == Vec3f(0.0f); };
+    return map.isSingular() && isLost({1, 0, 0}) && isLost({0, 1, 0}) && isLost({0, 0, 1});
+}
+
+LightPtr attachLight(const Element& element, const Element& emitter, Shape& shape, LoadContext& context) {
+    if (!(shape.area() > 0) || !std::isfinite(shape.area()))
+        throw element.error(fmt::format("an emitter needs a finite area > 0, found {}", shape.area()));
+    return makeAreaLight(emitter, shape, context);
+}
+
+/// The shapes of a plain plugin with their materials and lights; none if the type is unknown and that is let
+/// pass.
+std::vector<ShapePtr> makeShapes(const Element& element, LoadContext& context,
+                                 std::vector<LightPtr>& lights) {
+    const Plugin* plugin = findPlugin(element, context);
+    if (!plugin) return {};
+    if (leavesNoArea(element.transform("to_world", true))) {
+        context.warn(element, "\"to_world\" flattens the shape to a line or a point: it is left out");
+        return {};
     }
     if (!element.childrenOf("medium").empty())
         throw element.error("participating media (interior, exterior) are not supported");
 
-    ShapePtr shape = withLocation(element, [&] {
+    const std::vector<ShapePart> parts = withLocation(element, [&] {
         context.memory.take(kShapeBytes, "the shape");
-        return plugin->make(element, context);
+        return makeParts(element, *plugin, context);
     });
-    shape->id =
-        element.id.empty() ? fmt::format("{} at {}", element.type, element.location.str()) : element.id;
     const ElementPtr emitter = onlyChild(element, "emitter");
-    attachBsdf(element, context, *shape, emitter != nullptr);
-    if (emitter) {
-        if (!(shape->area() > 0) || !std::isfinite(shape->area()))
-            throw element.error(fmt::format("an emitter needs a finite area > 0, found {}", shape->area()));
-        LightPtr light = makeAreaLight(*emitter, *shape, context);
-        shape->emitter = light;
-        lights.push_back(std::move(light));
+    std::vector<ShapePtr> result;
+    for (const ShapePart& part : parts) {
+        Shape& shape = *part.shape;
+        shape.id =
+            element.id.empty() ? fmt::format("{} at {}", element.type, element.location.str()) : element.id;
+        // As in Mitsuba, a light without a BSDF does not reflect.
+        shape.bsdf = part.bsdf ? makeBsdf(*part.bsdf, context)
+                               : makeDiffuse({makeConstantTexture(Rgb(emitter ? 0.0f : 0.5f))});
+        if (part.bsdf) checkAttributes(*part.bsdf, shape, context);
+        if (emitter) {
+            checkAttributes(*emitter, shape, context);
+            if (LightPtr light = attachLight(element, *emitter, shape, context)) {
+                shape.emitter = light;
+                lights.push_back(std::move(light));
+            }
+        }
+        result.push_back(part.shape);
     }
     element.checkAllUsed(context.lenient, context.warnings);
-    return shape;
+    return result;
+}
+
+/// The shapes inside, those of a `merge` among them.
+std::vector<ElementPtr> shapesOf(const Element& element, LoadContext& context) {
+    std::vector<ElementPtr> result;
+    for (const ElementPtr& child : element.childrenOf("shape")) {
+        if (child->type != kMerge) {
+            result.push_back(child);
+            continue;
+        }
+        const std::vector<ElementPtr> merged = shapesOf(*child, context);
+        result.insert(result.end(), merged.begin(), merged.end());
+        child->checkAllUsed(context.lenient, context.warnings);
+    }
+    return result;
 }
 
 std::shared_ptr<const ShapeGroup> makeGroup(const Element& element, LoadContext& context) {
     if (const auto found = context.built.find(&element); found != context.built.end())
         return std::static_pointer_cast<const ShapeGroup>(found->second);
     auto group = std::make_shared<ShapeGroup>();
-    for (const ElementPtr& child : element.childrenOf("shape")) {
+    for (const ElementPtr& child : shapesOf(element, context)) {
         if (child->type == kGroup || child->type == kInstance)
             throw child->error(fmt::format("a shapegroup cannot contain a {}", child->type));
         if (!child->childrenOf("emitter").empty())
             throw child->error(
                 "shapes of a shapegroup cannot be emitters: each instance would be a light of its own");
         std::vector<LightPtr> none;
-        if (ShapePtr shape = makeShape(*child, context, none)) group->shapes.push_back(std::move(shape));
+        for (ShapePtr& shape : makeShapes(*child, context, none)) group->shapes.push_back(std::move(shape));
     }
     if (group->shapes.empty()) throw element.error("a shapegroup without shapes");
     element.checkAllUsed(context.lenient, context.warnings);
@@ -192,6 +288,11 @@ void addInstance(const Element& element, LoadContext& context, SceneParts& parts
     element.checkAllUsed(context.lenient, context.warnings);
 }
 
+void addMerged(const Element& element, LoadContext& context, SceneParts& parts) {
+    for (const ElementPtr& child : element.childrenOf("shape")) addShape(*child, context, parts);
+    element.checkAllUsed(context.lenient, context.warnings);
+}
+
 }  // namespace
 
 void addShape(const Element& element, LoadContext& context, SceneParts& parts) {
@@ -199,8 +300,11 @@ void addShape(const Element& element, LoadContext& context, SceneParts& parts) {
         makeGroup(element, context);
     else if (element.type == kInstance)
         addInstance(element, context, parts);
-    else if (ShapePtr shape = makeShape(element, context, parts.lights))
-        parts.shapes.push_back(std::move(shape));
+    else if (element.type == kMerge)
+        addMerged(element, context, parts);
+    else
+        for (ShapePtr& shape : makeShapes(element, context, parts.lights))
+            parts.shapes.push_back(std::move(shape));
 }
 
 }  // namespace metrolux::core::mitsuba

@@ -56,7 +56,7 @@ Vec3f localDirection(const SolarPosition& sun, bool legacy) {
 /// Toward the sun in world space.
 Vec3f readSunDirection(const Element& element, const Transform& toWorld) {
     if (!element.has("sun_direction"))
-        return toWorld.vector(localDirection(solarPosition(readDateAndPlace(element)), element.legacy));
+        return toWorld.vector(localDirection(solarPosition(readDateAndPlace(element)), element.isLegacy()));
     for (const char* name : kDateAndPlace)
         if (element.has(name))
             throw element.error(
@@ -65,7 +65,7 @@ Vec3f readSunDirection(const Element& element, const Transform& toWorld) {
 }
 
 Rgb readAlbedo(const Element& element, LoadContext& context) {
-    const Rgb fallback(element.legacy ? 0.2f : 0.3f);
+    const Rgb fallback(element.isLegacy() ? 0.2f : 0.3f);
     const Property* property = element.find("albedo");
     if (property && std::holds_alternative<SpectrumValue>(property->value))
         return textureProperty(element, "albedo", context, fallback)->mean();
@@ -126,7 +126,7 @@ double solidAngle(double aperture) {
 }  // namespace
 
 LightPtr makeSunSkyLight(const Element& element, LoadContext& context) {
-    if (!element.legacy && element.type != "sunsky")
+    if (!element.isLegacy() && element.type != "sunsky")
         throw element.error(fmt::format("an emitter of 0.6 only, expected \"sunsky\" with \"{}\" 0",
                                         element.type == "sky" ? "sun_scale" : "sky_scale"));
     const Transform toWorld = element.transform("to_world");
@@ -134,14 +134,16 @@ LightPtr makeSunSkyLight(const Element& element, LoadContext& context) {
         throw element.error(
             "\"to_world\" may rotate, translate, mirror and scale uniformly, found another map");
     SunSkyParameters p;
-    p.up = normalize(toWorld.vector(element.legacy ? Vec3f(0, 1, 0) : Vec3f(0, 0, 1)));
+    p.up = normalize(toWorld.vector(element.isLegacy() ? Vec3f(0, 1, 0) : Vec3f(0, 0, 1)));
     p.sunDirection = readSunDirection(element, toWorld);
     if (!(p.sunDirection.length() > 0)) throw element.error("\"sun_direction\" has no length");
     p.sunDirection = normalize(p.sunDirection);
     p.turbidity = element.number("turbidity", p.turbidity);
-    if (!element.legacy || element.type != "sun") p.albedo = readAlbedo(element, context);
-    if (element.legacy) p.stretch = element.number("stretch", 1);
-    const Scales scales = element.legacy ? readLegacyScales(element, context) : readScales(element);
+    if (!element.isLegacy() || element.type != "sun") p.albedo = readAlbedo(element, context);
+    if (element.isLegacy()) p.stretch = element.number("stretch", 1);
+    if (element.isLegacy() && element.boolean("extend", false))
+        throw element.error(*element.find("extend"), "a sky below the horizon is not supported, expected false");
+    const Scales scales = element.isLegacy() ? readLegacyScales(element, context) : readScales(element);
     p.skyScale = scales.sky;
     p.sunAperture = scales.aperture;
 
@@ -149,7 +151,7 @@ LightPtr makeSunSkyLight(const Element& element, LoadContext& context) {
     if (zenith > 0.5f * kPi + 1e-5f) {
         const std::string message =
             fmt::format("the sun is {:.2f} degrees below the horizon", (zenith - 0.5f * kPi) * 180 / kPi);
-        if (element.legacy) throw element.error(message + ", which the sky model does not cover");
+        if (element.isLegacy()) throw element.error(message + ", which the sky model does not cover");
         context.warn(element, message + ": the emitter is dark and left out, as in Mitsuba 3");
         return nullptr;
     }

@@ -3,21 +3,22 @@
 #include "image/image_io.h"
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/spectrum.h"
+#include "io/mitsuba/spectrum_plugins.h"
+#include "io/mitsuba/unknown_plugins.h"
 #include "scattering/textures/bitmap_texture.h"
 #include "scattering/textures/checkerboard.h"
 #include "scattering/textures/constant.h"
 #include "scattering/textures/mesh_attribute.h"
+#include "scattering/textures/scaled.h"
 
-#include <array>
+#include <algorithm>
 
 namespace metrolux::core::mitsuba {
 namespace {
 
-const std::vector<std::string> kTextureTypes = {"bitmap", "checkerboard", "mesh_attribute", "rawconstant"};
-
 /// The 4x4 matrix of a <transform> as a map of the plane: its third row and column do not matter.
 UvTransform uvTransform(const Element& element) {
-    const Transform t = element.transform("to_uv");
+    const Transform t = element.transform("to_uv", true);
     const auto at = [&](int row, int column) { return static_cast<float>(t.at(row, column)); };
     return {{{at(0, 0), at(0, 1), at(0, 3)}, {at(1, 0), at(1, 1), at(1, 3)}}};
 }
@@ -36,6 +37,24 @@ T choice(const Element& element, const std::string& name,
     throw element.error(*property, fmt::format("found \"{}\", expected one of: {}", found, known));
 }
 
+/// The one channel of an image that the parameter `channel` of 0.6 names.
+ImageData onlyChannel(const Element& element, ImageData&& image) {
+    const std::vector<std::vector<std::string>> names = {
+        {"y"}, {"y", "a"}, {"r", "g", "b"}, {"r", "g", "b", "a"}};  // by the number of channels
+    const auto& own = names[static_cast<size_t>(std::clamp(image.channels, 1, 4) - 1)];
+    const std::string wanted = element.string("channel", "");
+    const bool isGray = own.size() < 3;
+    const auto at = std::find(own.begin(), own.end(), isGray && wanted != "a" ? "y" : wanted);
+    if (at == own.end())
+        throw Error("found the channel \"{}\", expected one of the image's: {}", wanted,
+                    fmt::join(own, ", "));
+    ImageData result{image.width, image.height, 1, {}};
+    const auto channel = static_cast<size_t>(at - own.begin());
+    for (size_t i = channel; i < image.pixels.size(); i += own.size())
+        result.pixels.push_back(image.pixels[i]);
+    return result;
+}
+
 /// Colors of an image without its alpha channel: 1 or 3 channels.
 std::vector<float> withoutAlpha(ImageData&& image, int channels) {
     if (image.channels == channels) return std::move(image.pixels);
@@ -49,14 +68,23 @@ std::vector<float> withoutAlpha(ImageData&& image, int channels) {
     return result;
 }
 
+void readWrapModes(const Element& element, BitmapTextureParameters& p) {
+    using Wrap = BitmapTextureParameters::Wrap;
+    std::vector<std::pair<std::string, Wrap>> modes = {
+        {"repeat", Wrap::Repeat}, {"mirror", Wrap::Mirror}, {"clamp", Wrap::Clamp}};
+    if (element.isLegacy()) modes.insert(modes.end(), {{"zero", Wrap::Zero}, {"one", Wrap::One}});
+    p.wrapU = p.wrapV = choice<Wrap>(element, "wrap_mode", modes);
+    if (!element.isLegacy()) return;
+    if (element.has("wrap_mode_u")) p.wrapU = choice<Wrap>(element, "wrap_mode_u", modes);
+    if (element.has("wrap_mode_v")) p.wrapV = choice<Wrap>(element, "wrap_mode_v", modes);
+}
+
 TexturePtr bitmap(const Element& element, LoadContext& context) {
     using P = BitmapTextureParameters;
     P p;
     p.filter = choice<P::Filter>(element, "filter_type",
                                  {{"bilinear", P::Filter::Bilinear}, {"nearest", P::Filter::Nearest}});
-    p.wrap = choice<P::Wrap>(
-        element, "wrap_mode",
-        {{"repeat", P::Wrap::Repeat}, {"mirror", P::Wrap::Mirror}, {"clamp", P::Wrap::Clamp}});
+    readWrapModes(element, p);
     p.toUv = uvTransform(element);
     element.ignore("format");  // storage precision: always float here
     element.ignore("accel");   // of GPUs
@@ -64,6 +92,7 @@ TexturePtr bitmap(const Element& element, LoadContext& context) {
     const auto file = context.resolve(element, element.requiredString("filename"));
     try {
         ImageData image = readImage(file, raw, &context.memory);
+        if (element.isLegacy() && element.has("channel")) image = onlyChannel(element, std::move(image));
         p.width = image.width;
         p.height = image.height;
         p.channels = image.channels >= 3 ? 3 : 1;
@@ -92,12 +121,6 @@ TexturePtr rawConstant(const Element& element) {
     if (const Vec3f* v = std::get_if<Vec3f>(&property->value)) return makeConstantTexture({v->x, v->y, v->z});
     if (const RgbValue* rgb = std::get_if<RgbValue>(&property->value)) return makeConstantTexture(rgb->value);
     return makeConstantTexture(Rgb(element.number("value", 0)));
-}
-
-std::string joined(const std::vector<std::string>& names) {
-    std::string result;
-    for (const std::string& name : names) result += (result.empty() ? "" : ", ") + name;
-    return result;
 }
 
 /// The color of a number, <rgb> or <spectrum>, or nothing when the property is an element.
@@ -137,6 +160,36 @@ TexturePtr checkerboard(const Element& element, LoadContext& context, bool emiss
     return makeCheckerboard(p);
 }
 
+/// 0.6: a nested texture times a number or a color.
+TexturePtr scaled(const Element& element, LoadContext& context, bool emission) {
+    ScaledTextureParameters p;
+    if (const Property* property = element.find("scale")) {
+        const auto scale = constantColor(element, *property, unboundedFromSpectrum);
+        if (!scale) throw element.error(*property, "found an element, expected a number or a color");
+        p.scale = *scale;
+    }
+    const auto nested = element.childrenOf("texture");
+    if (nested.size() > 1 || (nested.empty() && !element.has("value")))
+        throw element.error(fmt::format("found {} nested <texture> elements, expected one", nested.size()));
+    p.texture = nested.empty() ? textureProperty(element, "value", context, Rgb(1.0f))
+                               : makeTexture(*nested[0], context, emission);
+    return makeScaledTexture(p);
+}
+
+/// A spectrum plugin in the place of a texture.
+TexturePtr fromSpectrum(const Element& element, bool emission) {
+    const auto value = spectrumFromPlugin(element);
+    if (const RgbValue* rgb = std::get_if<RgbValue>(&value)) return makeConstantTexture(rgb->value);
+    const SpectrumValue& spectrum = std::get<SpectrumValue>(value);
+    return makeConstantTexture(emission ? emissionFromSpectrum(spectrum) : reflectanceFromSpectrum(spectrum));
+}
+
+std::vector<std::string> knownTypes() {
+    std::vector<std::string> result = {"bitmap", "checkerboard", "mesh_attribute", "rawconstant", "scale"};
+    result.insert(result.end(), spectrumPluginNames().begin(), spectrumPluginNames().end());
+    return result;
+}
+
 }  // namespace
 
 TexturePtr makeTexture(const Element& element, LoadContext& context, bool emission) {
@@ -151,11 +204,12 @@ TexturePtr makeTexture(const Element& element, LoadContext& context, bool emissi
         result = meshAttribute(element);
     } else if (element.type == "rawconstant") {
         result = rawConstant(element);
+    } else if (element.type == "scale" && element.isLegacy()) {
+        result = scaled(element, context, emission);
+    } else if (isSpectrumPlugin(element.type)) {
+        result = fromSpectrum(element, emission);
     } else {
-        const std::string nearest = nearestName(element.type, kTextureTypes);
-        const std::string message =
-            nearest.empty() ? fmt::format("unknown texture type, expected one of: {}", joined(kTextureTypes))
-                            : fmt::format("unknown texture type; did you mean \"{}\"?", nearest);
+        const std::string message = unknownPlugin(element, "texture", knownTypes());
         if (!context.lenient) throw element.error(message);
         context.warn(element, message + " (a gray of 0.5 stands in)");
         result = makeConstantTexture(Rgb(0.5f));

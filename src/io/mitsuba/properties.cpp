@@ -100,8 +100,12 @@ Vec3f Element::vector(const std::string& name, const Vec3f& fallback) const {
     return value ? *value : fallback;
 }
 
-Transform Element::transform(const std::string& name) const {
-    const Transform* value = typed<Transform>(*this, find(name), "a <transform>");
+Transform Element::transform(const std::string& name, bool mayFlatten) const {
+    const Property* property = find(name);
+    const Transform* value = typed<Transform>(*this, property, "a <transform>");
+    if (value && value->isSingular() && !mayFlatten)
+        throw error(*property,
+                    "the matrix is singular (does something scale by 0?), expected an invertible map");
     return value ? *value : Transform();
 }
 
@@ -114,20 +118,27 @@ ElementPtr Element::child(const std::string& name) const {
     return *element;
 }
 
-std::vector<ElementPtr> Element::childrenOf(const std::string& childTag) const {
-    std::vector<std::pair<int, ElementPtr>> found;
-    const auto take = [&](const Property& property) {
+std::vector<NamedChild> Element::namedChildrenOf(const std::string& childTag) const {
+    std::vector<std::pair<int, NamedChild>> found;
+    const auto take = [&](const std::string& name, const Property& property) {
         const ElementPtr* element = std::get_if<ElementPtr>(&property.value);
         if (!element || !*element || (*element)->tag != childTag) return;
         property.used = true;
-        found.emplace_back(property.order, *element);
+        found.push_back({property.order, {name, *element}});
     };
-    for (const Property& property : children) take(property);
-    for (const auto& entry : named) take(entry.second);
+    for (const Property& property : children) take("", property);
+    for (const auto& [name, property] : named) take(name, property);
     std::stable_sort(found.begin(), found.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::vector<ElementPtr> result;
+    std::vector<NamedChild> result;
+    result.reserve(found.size());
     for (auto& entry : found) result.push_back(std::move(entry.second));
+    return result;
+}
+
+std::vector<ElementPtr> Element::childrenOf(const std::string& childTag) const {
+    std::vector<ElementPtr> result;
+    for (NamedChild& child : namedChildrenOf(childTag)) result.push_back(std::move(child.element));
     return result;
 }
 
@@ -152,20 +163,22 @@ Error Element::error(const Property& property, const std::string& message) const
 }
 
 void Element::checkAllUsed(bool lenient, std::vector<std::string>& warnings) const {
-    const auto report = [&](const Error& problem) {
-        if (!lenient) throw problem;
+    const auto report = [&](const Error& problem, bool isWarning) {
+        if (!isWarning) throw problem;
         warnings.emplace_back(problem.what());
     };
     for (const auto& [name, property] : named) {
         if (property.used) continue;
         property.used = true;  // said once, also when the element is shared
+        const bool isElement = std::holds_alternative<ElementPtr>(property.value);
         report(error(property, fmt::format("{} is not used by this element; {}", describe(property),
-                                           suggestion(name, known_))));
+                                           suggestion(name, known_))),
+               lenient || (isLegacy() && !isElement));
     }
     for (const Property& property : children) {
         if (property.used) continue;
         property.used = true;
-        report(error(property, "is not expected inside this element"));
+        report(error(property, "is not expected inside this element"), lenient);
     }
 }
 

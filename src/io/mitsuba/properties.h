@@ -49,6 +49,12 @@ struct Property {
     int order = 0;  ///< position among everything that its element contains
 };
 
+/// A child of an element with the name that it has there, empty for none.
+struct NamedChild {
+    std::string name;
+    ElementPtr element;
+};
+
 class Element {
   public:
     std::string tag;   ///< "bsdf", "shape", "emitter" ...
@@ -71,13 +77,16 @@ class Element {
     std::string string(const std::string& name, const std::string& fallback) const;
     std::string requiredString(const std::string& name) const;
     Vec3f vector(const std::string& name, const Vec3f& fallback) const;  ///< <point> or <vector>
-    Transform transform(const std::string& name) const;                  ///< identity if absent
+    /// Identity if absent. Throws for a singular map, unless it `mayFlatten`.
+    Transform transform(const std::string& name, bool mayFlatten = false) const;
     /// A nested or referenced element under this name, or null.
     ElementPtr child(const std::string& name) const;
     /// All elements with the tag ("bsdf", "emitter", ...), named or not, in order of appearance; marked used.
     /// (A shape takes <ref name="bsdf" id="..."/> as well as <ref id="..."/>, a bumpmap's texture has any
     /// name.)
     std::vector<ElementPtr> childrenOf(const std::string& tag) const;
+    /// The same with their names.
+    std::vector<NamedChild> namedChildrenOf(const std::string& tag) const;
     /// Reads and forgets a property that has no effect here (near_clip's relatives, sampler settings ...).
     void ignore(const std::string& name) const;
 
@@ -86,10 +95,12 @@ class Element {
     Error error(const Property& property, const std::string& message) const;
 
     /// Throws (or, if lenient, appends a warning) for each property or child that nothing has read, with the
-    /// nearest known name. To be called once the plugin is built.
+    /// nearest known name; for values in a 0.x scene it is always a warning, as in Mitsuba 0.6. To be called
+    /// once the plugin is built.
     void checkAllUsed(bool lenient, std::vector<std::string>& warnings) const;
 
-    bool legacy = false;  ///< from a 0.x scene: defaults that differ between versions follow it
+    int version = 3;  ///< major version of the file: names, defaults and what is an error follow it
+    bool isLegacy() const { return version < 2; }
 
   private:
     mutable std::vector<std::string> known_;  // names that were asked for: candidates for suggestions

@@ -1,5 +1,7 @@
 #include "io/mitsuba/source.h"
 
+#include "io/lfs_pointer.h"
+
 #include <algorithm>
 #include <fstream>
 
@@ -17,6 +19,7 @@ std::string readText(const std::filesystem::path& file) {
         throw Error("{}: found a folder, expected a scene file (.xml)", file.string());
     if (!std::filesystem::is_regular_file(status))
         throw Error("{}: not a regular file, expected a scene file (.xml)", file.string());
+    refuseLfsPointer(file);
     const uintmax_t size = std::filesystem::file_size(file, code);
     if (code) throw Error("{}: cannot be read: {}", file.string(), code.message());
     if (size > kMaxFileBytes)

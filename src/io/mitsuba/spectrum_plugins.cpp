@@ -63,6 +63,17 @@ RgbValue color(const Element& element) {
 
 }  // namespace
 
+const std::vector<std::string>& spectrumPluginNames() {
+    static const std::vector<std::string> names = {"uniform", "regular", "irregular", "blackbody",
+                                                   "d65",     "srgb",    "srgb_d65"};
+    return names;
+}
+
+bool isSpectrumPlugin(const std::string& type) {
+    const auto& names = spectrumPluginNames();
+    return std::find(names.begin(), names.end(), type) != names.end();
+}
+
 decltype(Property::value) spectrumFromPlugin(const Element& element) {
     decltype(Property::value) result;
     try {
@@ -74,13 +85,8 @@ decltype(Property::value) spectrumFromPlugin(const Element& element) {
             result = irregular(element);
         } else if (element.type == "blackbody") {
             result = blackbody(element);
-        } else if (element.type == "d65" || element.type == "srgb") {
-            result = color(element);
         } else {
-            const std::string nearest =
-                nearestName(element.type, {"uniform", "regular", "irregular", "blackbody", "d65", "srgb"});
-            throw Error("unknown spectrum type{}",
-                        nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest));
+            result = color(element);
         }
     } catch (const Error& problem) {
         const std::string message = problem.what();

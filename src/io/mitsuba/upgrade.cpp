@@ -16,20 +16,31 @@ class Upgrade {
     Upgrade(Element& element, std::vector<std::string>& warnings) : element_(element), warnings_(warnings) {}
 
     void run() {
-        for (auto& entry : element_.named) entry.first = snakeCase(entry.first);
+        renameAll();
         const std::string& tag = element_.tag;
         if (tag == "bsdf") bsdf();
         if (tag == "texture") texture();
         if (tag == "film") film();
         if (tag == "sampler") sampler();
         if (tag == "emitter" || tag == "texture") drop({"cache"}, "caches are not kept");
-        std::set<std::string> names;
-        for (const auto& [name, property] : element_.named)
-            if (!names.insert(name).second)
-                throw element_.error(property, "found twice under its 3.x name, expected it once");
     }
 
   private:
+    /// To snake case. 0.6 does not know the names of 3.x: where both are there, its own holds.
+    void renameAll() {
+        std::set<std::string> renamed;
+        for (const auto& [name, property] : element_.named)
+            if (snakeCase(name) != name) renamed.insert(snakeCase(name));
+        std::erase_if(element_.named, [&](const auto& entry) {
+            if (!renamed.contains(entry.first)) return false;
+            const char* const reason =
+                "ignored: the property is there in the spelling of 0.x too, which holds";
+            warnings_.emplace_back(element_.error(entry.second, reason).what());
+            return true;
+        });
+        for (auto& entry : element_.named) entry.first = snakeCase(entry.first);
+    }
+
     void warn(const std::string& message) { warnings_.emplace_back(element_.error(message).what()); }
 
     Property* find(const std::string& name) {
@@ -67,11 +78,17 @@ class Upgrade {
     }
 
     void bsdf() {
-        if (element_.type == "diffuse") rename("diffuse_reflectance", "reflectance");
+        if (element_.type == "diffuse" || element_.type == "roughdiffuse") {
+            if (find("reflectance"))
+                drop({"diffuse_reflectance"}, "\"reflectance\" holds");
+            else
+                rename("diffuse_reflectance", "reflectance");
+        }
     }
 
     void texture() {
         if (element_.type == "bitmap") bitmap();
+        if (element_.type == "vertexcolors") vertexColors();
         const Property* first = nullptr;
         for (const char* name : {"uoffset", "voffset", "uscale", "vscale"})
             if (const Property* property = find(name); property && !first) first = property;
@@ -109,11 +126,19 @@ class Upgrade {
         }
     }
 
+    void vertexColors() {
+        element_.type = "mesh_attribute";
+        Property name;
+        name.value = std::string("vertex_color");
+        name.location = element_.location;
+        element_.named.emplace_back("name", std::move(name));
+    }
+
     void film() {
         for (const char* type : {"ldrfilm", "tiledhdrfilm", "mfilm"})
             if (element_.type == type) changeType("hdrfilm", "films differ only in the file that they wrote");
         drop({"filename", "gamma", "banner", "attach_log", "exposure", "tonemap_method", "key", "burn",
-              "digits", "variable"},
+              "digits", "variable", "channel_names"},
              "the output is chosen on the command line");
         drop({"high_quality_edges"}, "the borders of the image are always exact");
     }

@@ -13,7 +13,6 @@ namespace metrolux::core::mitsuba {
 std::string snakeCase(const std::string& name);
 
 /// Rewrites an element of a 0.x scene. What has no effect here or no equivalent is dropped with a warning.
-/// Throws Error if two properties get the same name.
 void upgradeElement(Element& element, std::vector<std::string>& warnings);
 
 }  // namespace metrolux::core::mitsuba

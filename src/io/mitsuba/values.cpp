@@ -152,6 +152,11 @@ SpectrumValue parseSpectrum(std::string_view text) {
     return spectrum;
 }
 
+std::optional<Rgb> parseChannels(std::string_view text) {
+    if (text.find(':') != std::string_view::npos || splitList(text).size() != 3) return std::nullopt;
+    return parseRgb(text);
+}
+
 SpectrumValue readSpectrumFile(const std::filesystem::path& file) {
     std::error_code code;
     const uintmax_t size = std::filesystem::file_size(file, code);

@@ -26,6 +26,8 @@ Rgb parseRgb(std::string_view text);
 Rgb parseSrgb(std::string_view text);
 /// One value, or a list of wavelength:value with ascending wavelengths in nanometers.
 SpectrumValue parseSpectrum(std::string_view text);
+/// As many numbers as there are channels, which in 0.6 are the channels; nothing for other texts.
+std::optional<Rgb> parseChannels(std::string_view text);
 /// Text file of lines "wavelength value", `#` begins a comment.
 SpectrumValue readSpectrumFile(const std::filesystem::path& file);
 /// Temperature in kelvin, with or without the unit K.

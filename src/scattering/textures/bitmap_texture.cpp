@@ -60,17 +60,20 @@ class BitmapTexture final : public Texture {
     void prefetch(const SurfaceInteraction& si) const override {
         const Vec2f p = pixelPosition(si);
         const float half = nearest() ? 0.0f : 0.5f;
-        const int x = wrap(floorInt(p.x - half), image_.width), y = floorInt(p.y - half);
+        const int x = std::max(wrapU(floorInt(p.x - half)), 0), y = floorInt(p.y - half);
         const auto ask = [&](size_t i) {
             metrolux::core::prefetch(palette_ ? static_cast<const void*>(&palette_->codes[i])
                                               : &(*image_.pixels)[i]);
         };
-        ask(index(x, wrap(y, image_.height)));
-        if (!nearest()) ask(index(x, wrap(y + 1, image_.height)));
+        ask(index(x, std::max(wrapV(y), 0)));
+        if (!nearest()) ask(index(x, std::max(wrapV(y + 1), 0)));
     }
 
     Rgb mean() const override { return mean_; }
-    bool isConstant() const override { return image_.width == 1 && image_.height == 1; }
+    bool isConstant() const override {
+        return image_.width == 1 && image_.height == 1 && !endsAtBorder(image_.wrapU) &&
+               !endsAtBorder(image_.wrapV);
+    }
     Vec2i resolution() const override { return {image_.width, image_.height}; }
 
   private:
@@ -126,8 +129,8 @@ class BitmapTexture final : public Texture {
     Patch patchAt(const Vec2f& p) const {
         const float px = p.x - 0.5f, py = p.y - 0.5f;
         const int x = floorInt(px), y = floorInt(py);
-        const int x0 = wrap(x, image_.width), x1 = wrap(x + 1, image_.width);
-        const int y0 = wrap(y, image_.height), y1 = wrap(y + 1, image_.height);
+        const int x0 = wrapU(x), x1 = wrapU(x + 1);
+        const int y0 = wrapV(y), y1 = wrapV(y + 1);
         return {texel(x0, y0),
                 texel(x1, y0),
                 texel(x0, y1),
@@ -136,15 +139,22 @@ class BitmapTexture final : public Texture {
                 py - static_cast<float>(y)};
     }
 
-    int wrap(int i, int size) const {
+    using Wrap = BitmapTextureParameters::Wrap;
+    static constexpr int kZero = -1, kOne = -2;  ///< in place of the index of a texel
+
+    static bool endsAtBorder(Wrap mode) { return mode == Wrap::Zero || mode == Wrap::One; }
+    int wrapU(int x) const { return wrap(x, image_.width, image_.wrapU); }
+    int wrapV(int y) const { return wrap(y, image_.height, image_.wrapV); }
+    static int wrap(int i, int size, Wrap mode) {
         if (i >= 0 && i < size) return i;
-        if (image_.wrap == BitmapTextureParameters::Wrap::Clamp) return std::clamp(i, 0, size - 1);
-        const bool mirror = image_.wrap == BitmapTextureParameters::Wrap::Mirror;
+        if (mode == Wrap::Clamp) return std::clamp(i, 0, size - 1);
+        if (endsAtBorder(mode)) return mode == Wrap::Zero ? kZero : kOne;
+        const bool mirror = mode == Wrap::Mirror;
         const int period = mirror ? 2 * size : size;
         const int r = (i % period + period) % period;
         return r < size ? r : period - 1 - r;
     }
-    Rgb wrapped(int x, int y) const { return texel(wrap(x, image_.width), wrap(y, image_.height)); }
+    Rgb wrapped(int x, int y) const { return texel(wrapU(x), wrapV(y)); }
 
     /// Of a texel's first value.
     size_t index(int x, int y) const {
@@ -152,6 +162,7 @@ class BitmapTexture final : public Texture {
                static_cast<size_t>(image_.channels);
     }
     Rgb texel(int x, int y) const {
+        if (x < 0 || y < 0) return Rgb((x < 0 ? x : y) == kOne ? 1.0f : 0.0f);
         const size_t i = index(x, y);
         if (palette_) {
             const uint8_t* c = &palette_->codes[i];

@@ -11,13 +11,13 @@ namespace metrolux::core {
 /// when they are loaded.)
 struct BitmapTextureParameters {
     enum class Filter { Bilinear, Nearest };
-    enum class Wrap { Repeat, Mirror, Clamp };
+    enum class Wrap { Repeat, Mirror, Clamp, Zero, One };  ///< the last two: a constant outside of the image
 
     int width = 0, height = 0;
     int channels = 3;                                  ///< 1 or 3
     std::shared_ptr<const std::vector<float>> pixels;  ///< linear, row by row, channels interleaved
     Filter filter = Filter::Bilinear;
-    Wrap wrap = Wrap::Repeat;
+    Wrap wrapU = Wrap::Repeat, wrapV = Wrap::Repeat;
     UvTransform toUv;
 };
 

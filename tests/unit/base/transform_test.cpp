@@ -116,12 +116,34 @@ TEST(Transform, HasScaleIgnoresRotationsAndRounding) {
     EXPECT_TRUE(Transform::scale({0.5f, 0.5f, 0.5f}).hasScale());
 }
 
-TEST(Transform, WhatCannotBeInvertedIsRefused) {
-    EXPECT_THROW(Transform::scale({1, 0, 1}), Error);
+TEST(Transform, SingularMapsHaveNoInverse) {
     const double dependent[4][4] = {{1, 2, 3, 0}, {2, 4, 6, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}};
-    EXPECT_THROW(Transform::fromRows(dependent), Error);
     const double zeroRow[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 0}};
-    EXPECT_THROW(Transform::fromRows(zeroRow), Error);
+    for (const Transform& t :
+         {Transform::scale({1, 0, 1}), Transform::fromRows(dependent), Transform::fromRows(zeroRow)}) {
+        EXPECT_TRUE(t.isSingular());
+        EXPECT_TRUE((t * Transform::scale({2, 2, 2})).isSingular());
+        EXPECT_TRUE((Transform::rotate({1, 2, 3}, 40) * t).isSingular());
+        EXPECT_THROW(t.inverse(), Error);
+    }
+    EXPECT_FALSE(Transform::scale({2, 2, 2}).isSingular());
+}
+
+TEST(Transform, NormalsOfAFlattenedSpaceAreThoseOfThePlane) {
+    // Flattened onto y = 0, then turned so that +y becomes +z.
+    const Transform flat = Transform::scale({1, 0, 1}), turn = Transform::rotate({1, 0, 0}, 90);
+    expectNear(flat.normal({0, 1, 0}), {0, 1, 0});
+    expectNear(flat.normal({1, 0, 0}), {0, 0, 0});
+    expectNear((turn * flat).normal({0, 1, 0}), {0, 0, 1});
+    expectNear((turn * flat * Transform::scale({2, 1, 1})).normal({0, 1, 0}), {0, 0, 2});
+    EXPECT_EQ(Transform::scale({0, 0, 1}).normal({1, 2, 3}), Vec3f(0, 0, 0));
+}
+
+TEST(Transform, NoAxisIsNeededToRotateByNothing) {
+    EXPECT_TRUE(Transform::rotate({0, 0, 0}, 0).isIdentity());
+}
+
+TEST(Transform, WhatHasNoDirectionIsRefused) {
     EXPECT_THROW(Transform::rotate({0, 0, 0}, 10), Error);
     EXPECT_THROW(Transform::lookAt({1, 2, 3}, {1, 2, 3}, {0, 1, 0}), Error);
     EXPECT_THROW(Transform::lookAt({0, 0, 0}, {0, 3, 0}, {0, 1, 0}), Error);

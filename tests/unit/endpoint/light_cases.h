@@ -39,7 +39,7 @@ inline TexturePtr patchyTexture(bool nearest) {
     }
     p.pixels = std::make_shared<const std::vector<float>>(pixels);
     p.filter = nearest ? BitmapTextureParameters::Filter::Nearest : BitmapTextureParameters::Filter::Bilinear;
-    p.wrap = BitmapTextureParameters::Wrap::Clamp;
+    p.wrapU = p.wrapV = BitmapTextureParameters::Wrap::Clamp;
     return makeBitmapTexture(p);
 }
 

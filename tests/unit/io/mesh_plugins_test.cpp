@@ -126,7 +126,7 @@ TEST(ShapePlugins, RefusalsSayWhereAndWhy) {
         refusal("<shape type=\"sphere\"><transform name=\"to_world\"><scale x=\"2\"/></transform></shape>"),
         AllOf(HasSubstr("scene.xml:2"), HasSubstr("uniform")));
     EXPECT_THAT(
-        refusal("<shape type=\"cube\"><transform name=\"to_world\"><scale value=\"0\"/></transform></shape>"),
+        refusal("<shape type=\"sphere\"><transform name=\"to_world\"><scale z=\"0\"/></transform></shape>"),
         HasSubstr("scene.xml:2"));
     EXPECT_THAT(refusal("<shape type=\"sphere\"><medium name=\"interior\" type=\"homogeneous\"/></shape>"),
                 HasSubstr("media"));

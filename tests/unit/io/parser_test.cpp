@@ -172,10 +172,12 @@ TEST(Parser, SpectrumPluginsBecomeValues) {
 
 TEST(Parser, VersionsAreChecked) {
     for (const char* version : {"2.0.0", "2.1.0", "3.0.0", "3", "3.5.2"})
-        EXPECT_FALSE(parseText(scene("<bsdf type=\"x\"/>", version)).root->childrenOf("bsdf").at(0)->legacy)
+        EXPECT_FALSE(
+            parseText(scene("<bsdf type=\"x\"/>", version)).root->childrenOf("bsdf").at(0)->isLegacy())
             << version;
     for (const char* version : {"0.4.0", "0.5.0", "0.6.0", "0.6"})
-        EXPECT_TRUE(parseText(scene("<bsdf type=\"x\"/>", version)).root->childrenOf("bsdf").at(0)->legacy)
+        EXPECT_TRUE(
+            parseText(scene("<bsdf type=\"x\"/>", version)).root->childrenOf("bsdf").at(0)->isLegacy())
             << version;
     for (const char* version : {"9.0", "", "three", "3.x", "-1.0", "3."})
         EXPECT_THAT(errorOf([&] { parseText(scene("", version)); }), HasSubstr("scene.xml:1: <scene>"))

@@ -265,11 +265,19 @@ TEST(SunSkyLoader, errorsNameThePlace) {
     EXPECT_THAT(error("<emitter type=\"sunsy\"/>"), HasSubstr("\"sunsky\""));
     EXPECT_THAT(error(legacy("sunsky", number("sunRadiusScale", 0)), "0.6.0"), HasSubstr("directional"));
     EXPECT_THAT(error(legacy("sky", number("stretch", 3)), "0.6.0"), HasSubstr("1 to 2"));
-    EXPECT_THAT(error(legacy("sky", number("sunRadiusScale", 2)), "0.6.0"), HasSubstr("sun_radius_scale"));
-    EXPECT_THAT(error(legacy("sun", number("albedo", 0.5)), "0.6.0"), HasSubstr("albedo"));
     EXPECT_THAT(error(legacy("sky", "<boolean name=\"extend\" value=\"true\"/>"), "0.6.0"),
                 HasSubstr("extend"));
     EXPECT_THAT(error(legacy("sky", number("hour", 22)), "0.6.0"), HasSubstr("below the horizon"));
+}
+
+TEST(SunSkyLoader, whatTheOtherPluginsOf06HaveIsAWarning) {
+    for (const std::string& body :
+         {legacy("sky", number("sunRadiusScale", 2)), legacy("sun", number("albedo", 0.5))}) {
+        LoadContext context;
+        EXPECT_TRUE(light(body, "0.6.0", context));
+        ASSERT_EQ(context.warnings.size(), 1u);
+        EXPECT_THAT(context.warnings[0], HasSubstr("not used"));
+    }
 }
 
 TEST(SunSkyLoader, nightLeavesTheEmitterOut) {

@@ -110,7 +110,7 @@ TEST(BsdfPlugins, Metals) {
                 HasSubstr("one of the two"));
     EXPECT_THAT(errorOf(bsdf("conductor").with("material", "gold")), HasSubstr("Au"));
     Builder old = bsdf("conductor");
-    old.element->legacy = true;
+    old.element->version = 0;
     const float copper = fresnelConductor(1, namedConductor("Cu")->eta, namedConductor("Cu")->k).y;
     EXPECT_NEAR(deltaEnergy(*build(old), false), copper, 1e-5) << "0.6 defaults to copper";
 }

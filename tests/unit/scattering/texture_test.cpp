@@ -67,7 +67,7 @@ TEST(BitmapTexture, WrapModes) {
     Bitmap p = numbered(4, 1);
     p.filter = Bitmap::Filter::Nearest;
     const auto row = [&](Bitmap::Wrap wrap) {
-        p.wrap = wrap;
+        p.wrapU = p.wrapV = wrap;
         const TexturePtr t = makeBitmapTexture(p);
         std::vector<float> values;
         for (int i = -5; i <= 9; ++i) values.push_back(at(t, (static_cast<float>(i) + 0.5f) / 4, 0.5f));
@@ -76,6 +76,8 @@ TEST(BitmapTexture, WrapModes) {
     EXPECT_EQ(row(Bitmap::Wrap::Repeat), (std::vector<float>{3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1}));
     EXPECT_EQ(row(Bitmap::Wrap::Mirror), (std::vector<float>{3, 3, 2, 1, 0, 0, 1, 2, 3, 3, 2, 1, 0, 0, 1}));
     EXPECT_EQ(row(Bitmap::Wrap::Clamp), (std::vector<float>{0, 0, 0, 0, 0, 0, 1, 2, 3, 3, 3, 3, 3, 3, 3}));
+    EXPECT_EQ(row(Bitmap::Wrap::Zero), (std::vector<float>{0, 0, 0, 0, 0, 0, 1, 2, 3, 0, 0, 0, 0, 0, 0}));
+    EXPECT_EQ(row(Bitmap::Wrap::One), (std::vector<float>{1, 1, 1, 1, 1, 0, 1, 2, 3, 1, 1, 1, 1, 1, 1}));
 }
 
 TEST(BitmapTexture, GradientIsTheDerivativeOfThePatch) {

@@ -1,0 +1,68 @@
+#include "io/mitsuba/unknown_plugins.h"
+
+#include <algorithm>
+
+namespace metrolux::core::mitsuba {
+namespace {
+
+/// Plugins of Mitsuba 0.6, 2 and 3 that are not there, with what comes nearest.
+struct Missing {
+    const char* tag;
+    const char* type;
+    const char* nearest;
+};
+constexpr const char* kNoSpectra = "images are RGB, without polarization";
+constexpr Missing kMissing[] = {
+    {"bsdf", "measured", "roughconductor, principled"},
+    {"bsdf", "measured_polarized", "roughconductor; images are not polarized"},
+    {"bsdf", "polarizer", kNoSpectra},
+    {"bsdf", "retarder", kNoSpectra},
+    {"bsdf", "circular", kNoSpectra},
+    {"bsdf", "pplastic", "roughplastic, which is not polarized"},
+    {"bsdf", "hair", "principled"},
+    {"bsdf", "irawan", "diffuse with a bitmap"},
+    {"bsdf", "hk", "difftrans; it is a medium in a thin layer, and media are not supported"},
+    {"shape", "bsplinecurve", "a mesh of the curves"},
+    {"shape", "linearcurve", "cylinder"},
+    {"shape", "sdfgrid", "a mesh of the surface"},
+    {"shape", "ellipsoids", "sphere"},
+    {"shape", "ellipsoidsmesh", "a mesh"},
+    {"shape", "hair", "cylinder"},
+    {"shape", "deformable", "a mesh; scenes do not move"},
+    {"shape", "animatedinstance", "instance; scenes do not move"},
+    {"texture", "volume", "bitmap"},
+    {"texture", "gridtexture", "checkerboard"},
+    {"texture", "wireframe", "bitmap"},
+    {"texture", "curvature", "mesh_attribute with values that another program has computed"},
+    {"emitter", "timed_sunsky", "sunsky"},
+    {"emitter", "directionalarea", "area, collimated"},
+    {"emitter", "volumelight", "area; media are not supported"},
+    {"sensor", "batch", "one sensor at a time (--sensor)"},
+    {"sensor", "distant", "orthographic"},
+    {"sensor", "hdistant", "orthographic"},
+    {"sensor", "mdistant", "orthographic"},
+    {"sensor", "radiancemeter", "perspective with a small fov"},
+    {"sensor", "irradiancemeter", "perspective"},
+    {"sensor", "fluencemeter", "perspective"},
+    {"sensor", "spherical", "perspective"},
+    {"sensor", "telecentric", "orthographic"},
+    {"sensor", "perspective_rdist", "perspective, without the distortion"},
+    {"film", "specfilm", "hdrfilm; images are RGB"},
+};
+
+}  // namespace
+
+std::string unknownPlugin(const Element& element, const std::string& kind,
+                          const std::vector<std::string>& known) {
+    const auto* missing = std::find_if(std::begin(kMissing), std::end(kMissing), [&](const Missing& m) {
+        return element.tag == m.tag && element.type == m.type;
+    });
+    if (missing != std::end(kMissing))
+        return fmt::format("Mitsuba's {} \"{}\" is not supported; nearest: {}", kind, element.type,
+                           missing->nearest);
+    const std::string nearest = nearestName(element.type, known);
+    return nearest.empty() ? fmt::format("unknown {} type, expected one of: {}", kind, fmt::join(known, ", "))
+                           : fmt::format("unknown {} type; did you mean \"{}\"?", kind, nearest);
+}
+
+}  // namespace metrolux::core::mitsuba

@@ -76,7 +76,7 @@ void addSurfaces(SceneBuilder& b, Materials materials, const BsdfPtr& veil) {
     else
         b.add(rectangle({0, 0, 0}, {0, 1, 0}, 4, 4), floor);
     b.add(rectangle({0, 2, -3}, {0, 0, 1}, 4, 3),
-          mixed ? blend(0.4f, makeConductor({}), roughMetal()) : roughMetal());
+          mixed ? blend(0.4f, makeConductor({}), blend(0.5f, roughMetal(), diffuse(0.6f))) : roughMetal());
     b.add(makeSphere(Transform(), {0.3f, 1.2f, 0}, 0.6f, false),
           mixed ? blend(0.3f, glass(), diffuse(0.8f)) : glass());
     // Water above a part of the floor: an odd number of refractions, so that wrong factors do not cancel.
@@ -226,7 +226,8 @@ OracleScene makeOracleScene(Lighting lighting, Lens lens, Materials materials) {
         result.lens.imageArea = 4 * halfWidth * halfWidth * kShape;
     }
     b.limits().maxDepth = 9;
-    b.limits().rouletteDepth = 100;
+    // Roulette is no part of the densities: scenes with shading normals play it too.
+    b.limits().rouletteDepth = materials == Materials::Shading ? 2 : 100;
     result.scene = b.build();
     return result;
 }

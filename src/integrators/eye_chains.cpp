@@ -59,14 +59,12 @@ struct EyeChains::Model {
         for (const auto& [stream, value] : evaluations) evaluate(*stream, *value);
     }
     void evaluate(SampleStream& u, EyeSubpath& e) const {
-        u.seek(0);
-        e.pixel = pixelAt(film.window(), u.next2D());
-        u.next2D();  // the lens's
+        e.pixel = pixelAt(film.window(), read(u, layout::kRaster));
         float weight = 1;
-        const Vec2f raster = film.samplePosition(e.pixel, u.next2D(), weight);
+        const Vec2f raster = film.samplePosition(e.pixel, read(u, layout::kFilter), weight);
         e.vertices.clear();
-        SobolStream unused(0, 0);  // next-event estimation waits until the subpath has a weight
-        e.hit = pass.trace(u, unused, raster, weight, e.pixel, film, e.vertices);
+        // Next-event estimation waits until the subpath has a weight.
+        e.hit = pass.trace(u, nullptr, raster, weight, e.pixel, film, e.vertices);
         e.size = std::any_of(e.vertices.begin(), e.vertices.end(),
                              [&](const Vertex& v) { return lightVertices.anyWithin(v.si.p); });
     }
@@ -108,7 +106,7 @@ void EyeChains::begin(size_t samples, double radius) {
 }
 
 void EyeChains::run(const EyePass& pass, const VertexGrid& lightVertices, Film& film,
-                    const LightChains::Iteration& iteration, EyeVertices& result) {
+                    const LightSubpathIteration& iteration, EyeVertices& result) {
     for (Weighted& w : weighted_) w = {};
     const uint64_t key = hashKey(lanes_.settings().seed, iteration.pass, iteration.first);
     const std::vector<uint32_t> strata = shuffled(static_cast<size_t>(mix_.uniform), key);

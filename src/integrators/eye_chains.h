@@ -1,12 +1,11 @@
 #pragma once
 /// Eye subpaths from Markov chains (supplement of [Sik16], section 4.2): the eye pass of split_mcmc.
 
-#include "integrators/light_chains.h"
+#include "integrators/light_subpath_chains.h"
 
 namespace metrolux::core {
 
-/// What the primary sample of an eye subpath evaluates to. Coordinates of block 0: 0-1 the pixel, 2-3 the
-/// lens, 4-5 the position under the pixel's filter.
+/// What the primary sample of an eye subpath evaluates to.
 struct EyeSubpath {
     uint32_t pixel = 0;
     Rgb hit{0.0f};  ///< what emitters that it hits add to the pixel
@@ -32,7 +31,7 @@ class EyeChains {
     /// the pixels, their throughputs multiplied by N W(u). `lightVertices` define visibility. `first` and
     /// `count` of the light iteration name this one.
     void run(const EyePass& pass, const VertexGrid& lightVertices, Film& film,
-             const LightChains::Iteration& iteration, EyeVertices& result);
+             const LightSubpathIteration& iteration, EyeVertices& result);
 
     /// Between two iterations.
     template <class Archive>

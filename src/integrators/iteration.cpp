@@ -1,9 +1,10 @@
 #include "integrators/iteration.h"
 
 #include "base/parallel.h"
-#include "integrators/light_order.h"
 #include "sampling/streams.h"
 #include "transport/subpath.h"
+#include "wavefront/light_subpath_order.h"
+#include "wavefront/light_subpath_wavefront.h"
 
 #include <nlohmann/json.hpp>
 
@@ -18,7 +19,7 @@ PixelPartition::PixelPartition(const FilmWindow& window, const IntegratorOptions
             options.limits.maxDepth < 0 ? 8 : std::clamp(options.limits.maxDepth, 1, 8);
         const double stored = verticesPerSubpath * (1.125 * sizeof(Vertex) + 32),
                      gathered = verticesPerSubpath * sizeof(Vertex), bytes = double(options.memoryBytes);
-        const double group = double(EyeVertices::kGroup);
+        const double group = double(EyeWavefronts::kGroup);
         const double pixels =
             std::max(std::min(bytes / (stored + gathered), group), (bytes - group * gathered) / stored);
         parts_ =
@@ -41,7 +42,7 @@ class FirstSmooth final : public SubpathVisitor {
     bool found = false;
     bool surface(const Vertex& v) override {
         traveled += v.distanceToPrevious;
-        found = v.bsdf().hasSmoothLobe();
+        found = v.hasSmoothLobe();
         return !found && v.depth < 16;
     }
 };
@@ -58,8 +59,7 @@ double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options
     int count = 0;
     for (int i = 0; i < kProbes; ++i) {
         SobolStream stream(hashKey(0x726164697573, i / 64), static_cast<uint32_t>(i));
-        stream.seek(0);
-        const Vec2f u = stream.next2D();
+        const Vec2f u = read(stream, layout::kRaster);
         FirstSmooth visitor;
         traceEyeSubpath(scene, stream, options.limits, Strategies::path(),
                         Vec2f(w.x + u.x * w.width, w.y + u.y * w.height), 1, 0, visitor);
@@ -72,45 +72,45 @@ double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options
 
 void directPass(const Scene& scene, const PathLimits& limits, uint64_t seed, std::span<const uint32_t> pixels,
                 Film& film) {
-    const Strategies strategies = Strategies::bidirectional(1, 0);
-    EyePass pass{scene, limits, strategies, seed, film.passIndex()};
-    pass.nextEvent = pass.keepVertices = pass.hit = false;
-    pass.deepest = 1;
+    PathLimits oneEdge = limits;
+    oneEdge.maxDepth = 1;
+    const Strategies strategies = Strategies::hitsAlone();
     EyeVertices none;
-    pass.run(pixels, film, none);
+    EyeWavefronts().run({scene, oneEdge, strategies, seed, film.passIndex()}, pixels, film, none);
 }
 
 uint64_t lightSubpathKey(uint64_t seed, uint32_t passIndex, size_t index) {
     return hashKey(seed, StreamPurpose::LightSubpath, passIndex, index);
 }
 
-void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t passIndex, size_t first,
-                    size_t count, double filmShare, std::vector<double>* sizes, PhotonDensity* counted) {
+void independentLightSubpaths(const LightSubpathPass& pass, Film& film, uint64_t seed,
+                              const LightSubpathIteration& iteration, PhotonDensity* counted,
+                              std::vector<double>* sizes) {
     constexpr size_t kChunk = 256;
+    const size_t count = iteration.count;
     const double scale = 1.0 / double(count);
     if (sizes) sizes->assign(count, 0);
     const auto streamOf = [&](size_t i) {
-        return IndependentStream(lightSubpathKey(seed, passIndex, first + i));
+        return IndependentStream(lightSubpathKey(seed, iteration.pass, iteration.first + i));
     };
-    const std::vector<uint32_t> order = coherentLightOrder(pass.rules(), count, streamOf);
+    const std::vector<uint32_t> order = coherentOrder(pass.rules(), count, streamOf);
     parallelFor((count + kChunk - 1) / kChunk, [&](size_t chunk) {
         const std::span<const uint32_t> subpaths =
             std::span(order).subspan(chunk * kChunk, std::min(count - chunk * kChunk, kChunk));
         const size_t n = subpaths.size();
         static thread_local std::vector<SplatList> splats(kChunk);  // keep their memory
         std::vector<IndependentStream> streams;
-        std::vector<LightJob> jobs;
+        std::vector<LightSubpathJob> jobs;
         streams.reserve(n);
         for (size_t i = 0; i < n; ++i) {
             streams.push_back(streamOf(subpaths[i]));
             jobs.push_back({&streams[i], &splats[i], counted});
         }
-        pass.evaluate(jobs, Coherence::None);
+        evaluateTogether(pass, jobs, Coherence::None);
         for (size_t i = 0; i < n; ++i) {
-            if (i + 1 < n) film.prefetch(splats[i + 1]);
             if (splats[i].empty()) continue;
-            film.addSplats(splats[i], scale, scale * filmShare);
-            if (sizes) (*sizes)[subpaths[i]] = pass.size(splats[i]);
+            film.addSplats(splats[i], scale, scale * iteration.filmShare);
+            if (sizes) (*sizes)[subpaths[i]] = sizeOf(splats[i], iteration.target);
         }
     });
 }
@@ -142,9 +142,10 @@ void IteratedIntegrator::renderPass(Film& film) {
 }
 
 nlohmann::json IteratedIntegrator::iterationStatistics() const {
-    nlohmann::json j{{"parts", partition_.parts()},
-                     {"bytes_per_vertex", sizeof(Vertex)},
-                     {"stored_bytes", eyes_.memoryBytes() + grid_.memoryBytes()}};
+    nlohmann::json j{
+        {"parts", partition_.parts()},
+        {"bytes_per_vertex", sizeof(Vertex)},
+        {"stored_bytes", eyes_.memoryBytes() + eyeWavefronts_.memoryBytes() + grid_.memoryBytes()}};
     if (radius_.radius() > 0) j["radius"] = radius_.radius();
     return j;
 }

@@ -2,9 +2,12 @@
 /// What the pass-based integrators share: which pixels an iteration covers, the merging radius, plain light
 /// passes.
 
+#include "image/hilbert_order.h"
 #include "integrators/integrator.h"
+#include "integrators/pixel_importance.h"
 #include "transport/eye_pass.h"
-#include "transport/light_pass.h"
+#include "transport/light_subpath_pass.h"
+#include "wavefront/eye_wavefront.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -66,12 +69,22 @@ double projectedPixelRadius(const Scene& scene, const IntegratorOptions& options
 /// for many threads. Depends on the image only, or is what the options say.
 int laneCount(const IntegratorOptions& options, size_t steps);
 
-/// Traces `count` independent light subpaths (indices `first` ...) and adds them to the film, averaged over
-/// `count`; film splats are scaled by `filmShare` besides (the part of the pass that this iteration stands
-/// for). `sizes`, if given, receives F of each light subpath; their vertices are `counted`.
-void plainLightPass(const LightPass& pass, Film& film, uint64_t seed, uint32_t passIndex, size_t first,
-                    size_t count, double filmShare, std::vector<double>* sizes = nullptr,
-                    PhotonDensity* counted = nullptr);
+/// The light subpaths of an iteration.
+struct LightSubpathIteration {
+    uint32_t pass = 0;
+    size_t first = 0, count = 0;  ///< index of the first in the pass, and their number
+    /// Part of the pass that the iteration stands for: film splats, which any pixel may get, are scaled by
+    /// it.
+    double filmShare = 1;
+    const PixelImportance* target = nullptr;  ///< of F(u); null: all pixels count alike
+    const PixelImportance* noise = nullptr;   ///< weighs squares, for the measured split; null: as F(u)
+};
+
+/// Traces independent light subpaths and adds them to the film, averaged over their number. Their vertices
+/// are `counted`, and `sizes` receives F of each, if given.
+void independentLightSubpaths(const LightSubpathPass& pass, Film& film, uint64_t seed,
+                              const LightSubpathIteration& iteration, PhotonDensity* counted = nullptr,
+                              std::vector<double>* sizes = nullptr);
 
 /// Key of the stream of light subpath `index` of a plain pass.
 uint64_t lightSubpathKey(uint64_t seed, uint32_t passIndex, size_t index);
@@ -96,6 +109,13 @@ class IteratedIntegrator : public Integrator {
         archive(radius_);
         if (photons_) archive(*photons_);
     }
+    /// Traces an iteration's eye subpaths: eyes_ has their vertices.
+    void traceEyes(const Strategies& strategies, std::span<const uint32_t> pixels, Film& film) {
+        eyeWavefronts_.run(eyePass(strategies, film), pixels, film, eyes_);
+    }
+    EyePass eyePass(const Strategies& strategies, const Film& film) const {
+        return {scene_, options_.limits, strategies, options_.seed, film.passIndex()};
+    }
     /// What statistics() says of all of them.
     nlohmann::json iterationStatistics() const;
 
@@ -104,6 +124,7 @@ class IteratedIntegrator : public Integrator {
     PixelPartition partition_;
     RadiusSchedule radius_;
     std::unique_ptr<PhotonDensity> photons_;  ///< of Strategies; null: merges are weighted as independent
+    EyeWavefronts eyeWavefronts_;
     EyeVertices eyes_;
     VertexGrid grid_;
 };

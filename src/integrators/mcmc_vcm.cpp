@@ -1,6 +1,6 @@
 #include "integrators/mcmc_vcm.h"
 
-#include "integrators/light_chains.h"
+#include "integrators/light_subpath_chains.h"
 #include "integrators/resumable.h"
 
 namespace metrolux::core {
@@ -40,19 +40,18 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         Strategies strategies = Strategies::bidirectional(chains_.effectiveSamples() / n,
                                                           n * std::numbers::pi * r * r, photons_.get());
         strategies.connect = options_.connections.value_or(kConnections);
-        EyePass{scene_, options_.limits, strategies, options_.seed, film.passIndex()}.run(pixels, film,
-                                                                                          eyes_);
+        traceEyes(strategies, pixels, film);
         grid_.build(eyes_.all(), static_cast<float>(r));
-        LightPass light{scene_, options_.limits, strategies, eyes_, grid_, film};
+        const LightSubpathPass light{scene_, options_.limits, strategies, eyes_, grid_, film};
         const bool relative = options_.target == ChainTarget::Relative;
         if (first == 0 && (relative || options_.measuredSplit)) importance_.update(film);
-        if (relative) light.importance = &importance_;
-        LightChains::Iteration iteration{film.passIndex(), first, pixels.size(), n / film.pixelCount()};
-        if (options_.measuredSplit) iteration.importance = &importance_;
+        LightSubpathIteration iteration{film.passIndex(), first, pixels.size(), n / film.pixelCount()};
+        if (relative) iteration.target = &importance_;
+        if (options_.measuredSplit) iteration.noise = &importance_;
         chains_.run(light, film, iteration, photons_.get());
     }
 
-    LightChains chains_;
+    LightSubpathChains chains_;
     PixelImportance importance_;
 };
 

@@ -3,6 +3,7 @@
 #include "integrators/iteration.h"
 #include "integrators/path_chains.h"
 #include "integrators/resumable.h"
+#include "sampling/streams.h"
 
 #include <nlohmann/json.hpp>
 
@@ -86,11 +87,11 @@ class MmltIntegrator final : public Resumable<MmltIntegrator> {
     }
 
   private:
-    /// Length of a long path by the coordinate after PathPair's own; `scale`: one over its probability.
+    /// Length of a long path; `scale`: one over its probability.
     static int chooseLong(SampleStream& u, double& scale) {
-        u.seek(0);
-        for (int i = 0; i <= PathPair::kTechniqueCoordinate; ++i) u.next1D();
-        const double extra = std::floor(std::log1p(-double(u.next1D())) / std::log(kContinuation));
+        InterleavedStream eye(u, layout::kEyeStream, layout::kStreams);
+        const double uLength = read(eye, layout::kLength);
+        const double extra = std::floor(std::log1p(-uLength) / std::log(kContinuation));
         scale = 1 / ((1 - kContinuation) * std::pow(kContinuation, extra));
         return kLongPaths + static_cast<int>(extra);
     }

@@ -19,10 +19,9 @@ class PathIntegrator final : public Resumable<PathIntegrator> {
 
     void renderPass(Film& film) override {
         const Strategies strategies = Strategies::path();
-        EyePass pass{scene_, options_.limits, strategies, options_.seed, film.passIndex()};
-        pass.keepVertices = false;
         EyeVertices none;
-        pass.run(pixels_, film, none);
+        wavefronts_.run({scene_, options_.limits, strategies, options_.seed, film.passIndex()}, pixels_, film,
+                        none);
         film.endPass();
     }
     template <class Archive>
@@ -33,6 +32,7 @@ class PathIntegrator final : public Resumable<PathIntegrator> {
     const Scene& scene_;
     IntegratorOptions options_;
     std::vector<uint32_t> pixels_;
+    EyeWavefronts wavefronts_;
 };
 
 class LightIntegrator final : public Resumable<LightIntegrator> {
@@ -43,13 +43,12 @@ class LightIntegrator final : public Resumable<LightIntegrator> {
           pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
 
     void renderPass(Film& film) override {
-        const Strategies strategies = Strategies::bidirectional(1, 0);
         directPass(scene_, options_.limits, options_.seed, pixels_, film);
         const EyeVertices none;
         const VertexGrid grid;
-        LightPass lightPass{scene_, options_.limits, strategies, none, grid, film};
-        lightPass.connect = lightPass.merge = lightPass.weighted = false;
-        plainLightPass(lightPass, film, options_.seed, film.passIndex(), 0, pixels_.size(), 1);
+        const Strategies strategies = Strategies::splatsAlone();
+        const LightSubpathPass lightPass{scene_, options_.limits, strategies, none, grid, film};
+        independentLightSubpaths(lightPass, film, options_.seed, {film.passIndex(), 0, pixels_.size()});
         film.endPass();
     }
     template <class Archive>

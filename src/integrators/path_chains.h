@@ -2,8 +2,8 @@
 /// What the integrators share whose chains make complete paths: pssmlt, mmlt, pssmlt_merge.
 
 #include "integrators/integrator.h"
+#include "integrators/path_pair.h"
 #include "markov/metropolis.h"
-#include "transport/path_pair.h"
 
 namespace metrolux::core {
 

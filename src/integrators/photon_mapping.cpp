@@ -1,6 +1,6 @@
 #include "integrators/photon_mapping.h"
 
-#include "integrators/light_chains.h"
+#include "integrators/light_subpath_chains.h"
 #include "integrators/resumable.h"
 
 #include <optional>
@@ -10,7 +10,7 @@ namespace metrolux::core {
 namespace {
 
 /// Each path has one vertex, the first from the camera that scatters it by a smooth lobe, where a photon can
-/// make it, or none, and then hit makes it: the techniques share no path, so that all weights are one.
+/// make it, or none, and then hit makes it (Strategies::MergeAt::FirstVertex).
 class PhotonMappingIntegrator final : public Resumable<PhotonMappingIntegrator, IteratedIntegrator> {
   public:
     PhotonMappingIntegrator(const Scene& scene, const IntegratorOptions& options, bool chains)
@@ -36,26 +36,21 @@ class PhotonMappingIntegrator final : public Resumable<PhotonMappingIntegrator, 
   private:
     void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size()), r = radius_.radius();
-        // A path has one technique: hits have weight one, merges are not weighted.
-        const Strategies strategies = Strategies::hitsAlone();
-        EyePass eyePass{scene_, options_.limits, strategies, options_.seed, film.passIndex()};
-        eyePass.nextEvent = false;
-        eyePass.photonMapping = true;
-        eyePass.run(pixels, film, eyes_);
+        const Strategies strategies = Strategies::photonMapping();
+        traceEyes(strategies, pixels, film);
         grid_.build(eyes_.all(), static_cast<float>(r));
 
-        LightPass lightPass{scene_, options_.limits, strategies, eyes_, grid_, film};
-        lightPass.connect = lightPass.splat = lightPass.weighted = false;
-        const double filmShare = n / film.pixelCount();
+        const LightSubpathPass lightPass{scene_, options_.limits, strategies, eyes_, grid_, film};
+        const LightSubpathIteration iteration{film.passIndex(), first, pixels.size(), n / film.pixelCount()};
         if (chains_) {
             chains_->begin(pixels.size(), r);
-            chains_->run(lightPass, film, {film.passIndex(), first, pixels.size(), filmShare}, nullptr);
+            chains_->run(lightPass, film, iteration, nullptr);
         } else {
-            plainLightPass(lightPass, film, options_.seed, film.passIndex(), first, pixels.size(), filmShare);
+            independentLightSubpaths(lightPass, film, options_.seed, iteration);
         }
     }
 
-    std::optional<LightChains> chains_;  ///< vpt
+    std::optional<LightSubpathChains> chains_;  ///< vpt
 };
 
 }  // namespace

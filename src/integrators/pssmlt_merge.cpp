@@ -1,7 +1,7 @@
 #include "integrators/pssmlt_merge.h"
 
 #include "base/error.h"
-#include "integrators/light_set.h"
+#include "integrators/light_subpath_set.h"
 #include "integrators/path_chains.h"
 #include "integrators/resumable.h"
 
@@ -63,7 +63,7 @@ class PssmltMergeIntegrator final : public Resumable<PssmltMergeIntegrator, Iter
         const Strategies strategies =
             Strategies::bidirectional(1, lightSubpaths * std::numbers::pi * r * r, photons_.get());
         tracePixels(film, pixels, strategies);
-        const LightTracing tracing{scene_, options_.limits, strategies, photons_.get()};
+        const LightSubpathTracing tracing{scene_, options_.limits, strategies, photons_.get()};
         map_.build(byStates_ ? byStates_->make(tracing, n, film.passIndex(), first)
                              : byVisibility_.make(tracing, grid_),
                    static_cast<float>(r));
@@ -78,16 +78,17 @@ class PssmltMergeIntegrator final : public Resumable<PssmltMergeIntegrator, Iter
 
     /// Emitters that the camera sees directly, and for method B the eye vertices that say what is visible.
     void tracePixels(Film& film, std::span<const uint32_t> pixels, const Strategies& strategies) {
-        if (byStates_) return directPass(scene_, options_.limits, options_.seed, pixels, film);
-        EyePass pass{scene_, options_.limits, strategies, options_.seed, film.passIndex()};
-        pass.nextEvent = pass.hit = false;
-        pass.run(pixels, film, eyes_);
+        directPass(scene_, options_.limits, options_.seed, pixels, film);
+        if (byStates_) return;
+        Strategies merges = strategies;
+        merges.hit = merges.nee = 0;
+        traceEyes(merges, pixels, film);
         grid_.build(eyes_.all(), static_cast<float>(radius_.radius()));
     }
 
     PathSampler sampler_;
-    VisibilityLightSet byVisibility_;        ///< method B
-    std::optional<StateLightSet> byStates_;  ///< method A
+    VisibilityDrivenSet byVisibility_;        ///< method B
+    std::optional<ChainStateSet> byStates_;  ///< method A
     PhotonMap map_;
 };
 

@@ -48,26 +48,24 @@ class SplitMcmcIntegrator final : public Resumable<SplitMcmcIntegrator, Iterated
     void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size());
         const float r = static_cast<float>(radius_.radius());
-        const LightChains::Iteration iteration{film.passIndex(), first, pixels.size(), n / film.pixelCount()};
+        const LightSubpathIteration iteration{film.passIndex(), first, pixels.size(), n / film.pixelCount()};
         const bool chains = !lightVertices_.empty();
         light_.begin(pixels.size(), radius_.radius());
         if (chains) eye_.begin(pixels.size(), radius_.radius());
         const Strategies counts = chains ? strategies(eye_.samples(), eye_.boost()) : strategies(n, 1);
 
-        EyePass eyePass{scene_, options_.limits, counts, options_.seed, film.passIndex()};
         if (chains) {
-            eyePass.nextEvent = false;  // EyeChains does it
             oldGrid_.buildPoints(lightVertices_, r);
-            eye_.run(eyePass, oldGrid_, film, iteration, eyes_);
+            eye_.run(eyePass(counts, film), oldGrid_, film, iteration, eyes_);
         } else {
-            eyePass.run(pixels, film, eyes_);
+            traceEyes(counts, pixels, film);
         }
         grid_.build(eyes_.all(), r);
         light_.run({scene_, options_.limits, counts, eyes_, grid_, film}, film, iteration, photons_.get());
         lightVertices_ = light_.trails();
     }
 
-    LightChains light_;
+    LightSubpathChains light_;
     EyeChains eye_;
     std::vector<Vec3f> lightVertices_;  ///< of the last iteration
     VertexGrid oldGrid_;                ///< over them

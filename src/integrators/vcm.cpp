@@ -28,14 +28,13 @@ class VcmIntegrator final : public Resumable<VcmIntegrator, IteratedIntegrator> 
         Strategies strategies =
             Strategies::bidirectional(1, merge_ ? n * std::numbers::pi * r * r : 0, photons_.get());
         strategies.connect = options_.connections.value_or(1);
-        EyePass{scene_, options_.limits, strategies, options_.seed, film.passIndex()}.run(pixels, film,
-                                                                                          eyes_);
+        traceEyes(strategies, pixels, film);
         if (merge_) grid_.build(eyes_.all(), static_cast<float>(r));
 
-        LightPass pass{scene_, options_.limits, strategies, eyes_, grid_, film};
-        pass.merge = merge_;
-        plainLightPass(pass, film, options_.seed, film.passIndex(), first, pixels.size(),
-                       n / film.pixelCount(), nullptr, photons_.get());
+        const LightSubpathPass pass{scene_, options_.limits, strategies, eyes_, grid_, film};
+        independentLightSubpaths(pass, film, options_.seed,
+                                 {film.passIndex(), first, pixels.size(), n / film.pixelCount()},
+                                 photons_.get());
         if (photons_) photons_->endIteration(n);
     }
 

@@ -22,6 +22,10 @@ struct PathLimits {
         -1;  ///< largest number of path edges; -1: no limit. 1 sees lights only, 2 is direct light.
     int rouletteDepth = 5;      ///< edges of a subpath before roulette begins
     bool hideEmitters = false;  ///< directly visible lights are not shown
+    /// Smallest number of path edges: integrators leave out what another pass of theirs finds.
+    int minDepth = 1;
+
+    bool admits(int edges) const { return edges >= minDepth && (maxDepth < 0 || edges <= maxDepth); }
 };
 
 /// What a loader makes: parts, before the scene is built.

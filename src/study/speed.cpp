@@ -5,7 +5,7 @@
 #include "base/parallel.h"
 #include "integrators/iteration.h"
 #include "render/threads.h"
-#include "transport/light_pass.h"
+#include "transport/light_subpath_pass.h"
 
 #include <fmt/format.h>
 
@@ -189,22 +189,23 @@ class TechniqueBench {
     Lap gridBuild() {
         return timed([&] { grid_.build(eyes_.all(), static_cast<float>(radius_)); });
     }
-    Lap light(bool splat, bool connect, bool merge, LightWork* work = nullptr) {
-        LightPass pass{scene_, o_.options.limits, strategies_, eyes_, grid_, film_};
-        pass.splat = splat;
-        pass.connect = connect;
-        pass.merge = merge;
+    Lap light(bool splat, bool connect, bool merge, TechniqueWork* work = nullptr) {
+        Strategies strategies = strategies_;
+        if (!splat) strategies.splat = 0;
+        if (!connect) strategies.connect = 0;
+        if (!merge) strategies.merge = 0;
+        LightSubpathPass pass{scene_, o_.options.limits, strategies, eyes_, grid_, film_};
         pass.work = work;
-        return timed([&] { plainLightPass(pass, film_, o_.options.seed, 0, 0, pixels_.size(), 1); });
+        return timed([&] { independentLightSubpaths(pass, film_, o_.options.seed, {0, 0, pixels_.size()}); });
     }
     size_t storedVertices() const { return eyes_.all().size(); }
     double radius() const { return radius_; }
 
   private:
     void eyePass(bool nee, EyeVertices& result) {
-        EyePass pass{scene_, o_.options.limits, strategies_, o_.options.seed, 0};
-        pass.nextEvent = nee;
-        pass.run(pixels_, film_, result);
+        Strategies strategies = strategies_;
+        if (!nee) strategies.nee = 0;
+        wavefronts_.run({scene_, o_.options.limits, strategies, o_.options.seed, 0}, pixels_, film_, result);
     }
     template <class Body>
     Lap timed(Body&& body) {
@@ -221,13 +222,14 @@ class TechniqueBench {
     Strategies strategies_;
     EyeVertices eyes_, scratch_;  ///< scratch_ keeps its memory, as an integrator does
     VertexGrid grid_;
+    EyeWavefronts wavefronts_;
 };
 
 }  // namespace
 
 nlohmann::json measureTechniques(const Scene& scene, const SpeedOptions& o) {
     TechniqueBench bench(scene, o);
-    LightWork work;
+    TechniqueWork work;
     RayRecorder recorder;
     recorder.record([&] { bench.eye(false); });
     const double eyeVertices = double(countOf(recorder).hits);

@@ -5,19 +5,14 @@
 namespace metrolux::core {
 
 Rgb hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v) {
-    const Light& light = *v.si.shape->emitter;
+    const Light& light = *v.emitter();
     const Rgb radiance = light.radiance(v.si, v.toPrevious);
     if (isBlack(radiance)) return Rgb(0.0f);
     if (v.depth == 1) return radiance * v.throughput;
 
-    // dVCM is one over a density per area, so that the density of next-event estimation is needed per area
-    // too.
-    const Vec3f previous = v.si.p + v.toPrevious * v.distanceToPrevious;
-    const EndpointDensities d = light.densities(previous, v.si);
-    const double connectArea = double(scene.connectionProbability(previous, &light)) * d.connect *
-                               absDot(v.toPrevious, v.si.ng) / sqr(double(v.distanceToPrevious));
-    const double emission = double(d.pdfPosition) * d.pdfDirection * scene.emissionProbability(&light);
-    return radiance * v.throughput * static_cast<float>(hitWeight(strategies, v.mis, connectArea, emission));
+    const LightEdge edge = surfaceHitEdge(scene, v);
+    return radiance * v.throughput *
+           static_cast<float>(hitWeight(strategies, v.mis, edge.pdfNeeAtLight(), edge.pdfEmission()));
 }
 
 Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from,
@@ -28,10 +23,9 @@ Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f
     if (isBlack(radiance)) return Rgb(0.0f);
     if (depth == 1) return radiance * throughput;
 
-    const EndpointDensities d = light->environmentDensities(from, direction);
-    const double connect = double(scene.connectionProbability(from, light)) * d.connect;
-    const double emission = double(d.pdfPosition) * d.pdfDirection * scene.emissionProbability(light);
-    return radiance * throughput * static_cast<float>(hitWeight(strategies, mis, connect, emission));
+    const LightEdge edge = environmentHitEdge(scene, *light, from, direction);
+    return radiance * throughput *
+           static_cast<float>(hitWeight(strategies, mis, edge.pdfNeeAtLight(), edge.pdfEmission()));
 }
 
 bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
@@ -45,22 +39,14 @@ bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex
     pending.shadow = choice.light->isInfinite() ? scene.rayToInfinity(eye.si.p, eye.si.ng, c->wi)
                                                 : scene.rayBetween(eye.si.p, eye.si.ng, c->point, c->ng);
 
-    LightEdge edge;
-    edge.kind = kindOf(*choice.light);
-    edge.delta = choice.light->isDelta();
-    edge.connect = double(c->pdf) * choice.probability;
-    edge.position = c->pdfPosition;
-    edge.direction = double(c->pdfDirection) * choice.emissionProbability;
-    edge.cosineLight = c->cosine;
-    edge.cosineSurface = absDot(c->wi, eye.si.ng);
-    edge.distanceSquared = sqr(double(c->distance));
-    const double weight = neeWeight(strategies, eye.mis, edge, s.pdfForward, s.pdfReverse, eye.mergeShare);
+    const double weight =
+        neeWeight(strategies, eye.mis, neeEdge(choice, *c, eye), s.pdfForward, s.pdfReverse);
     pending.value = eye.throughput * s.value * c->value * static_cast<float>(weight / choice.probability);
     return true;
 }
 
 bool prepareCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
-                   bool weighted, Vec2f& raster, PendingConnection& pending) {
+                   Vec2f& raster, PendingConnection& pending) {
     const Camera& camera = scene.camera();
     const std::optional<EndpointConnection> c = camera.connect(light.si.p, uLens);
     if (!c) return false;
@@ -69,13 +55,10 @@ bool prepareCamera(const Scene& scene, const Strategies& strategies, const Verte
     pending.shadow = scene.rayBetween(light.si.p, light.si.ng, c->point, c->ng);
     raster = c->filmPosition;
 
-    double weight = 1;
-    if (weighted) {
-        const double cosine = absDot(c->wi, light.si.ng);
-        const double cameraArea = camera.isInfinite() ? c->pdfPosition * cosine
-                                                      : c->pdfDirection * cosine / sqr(double(c->distance));
-        weight = splatWeight(strategies, light.mis, cameraArea, s.pdfReverse);
-    }
+    const double cosine = light.cosine(c->wi);
+    const double pdfAreaFromEye =
+        camera.isInfinite() ? c->pdfPosition * cosine : c->pdfDirection * cosine / sqr(double(c->distance));
+    const double weight = splatWeight(strategies, light.mis, pdfAreaFromEye, s.pdfReverse);
     pending.value = light.throughput * s.value * c->value * static_cast<float>(weight);
     return !isBlack(pending.value);
 }
@@ -92,10 +75,10 @@ bool prepareVertices(const Scene& scene, const Strategies& strategies, const Ver
     const VertexScattering l = scatterLight(light, -toLight);
     if (isBlack(l.value)) return false;
 
-    const double lightArea = e.pdfForward * absDot(toLight, light.si.ng) / distanceSquared;
-    const double eyeArea = l.pdfForward * absDot(toLight, eye.si.ng) / distanceSquared;
-    const double weight = connectWeight(strategies, light.mis, eye.mis, lightArea, eyeArea, l.pdfReverse,
-                                        e.pdfReverse, light.mergeShare, eye.mergeShare);
+    const double pdfAreaFromEye = e.pdfForward * light.cosine(toLight) / distanceSquared;
+    const double pdfAreaFromLight = l.pdfForward * eye.cosine(toLight) / distanceSquared;
+    const double weight = connectWeight(strategies, light.mis, eye.mis, pdfAreaFromEye, pdfAreaFromLight,
+                                        l.pdfReverse, e.pdfReverse);
     pending.value =
         light.throughput * l.value * eye.throughput * e.value * static_cast<float>(weight / distanceSquared);
     if (isBlack(pending.value)) return false;
@@ -105,7 +88,7 @@ bool prepareVertices(const Scene& scene, const Strategies& strategies, const Ver
 
 namespace {
 Rgb valueOf(const Scene& scene, bool possible, const PendingConnection& pending) {
-    return possible && scene.isFree(pending.shadow) ? pending.value : Rgb(0.0f);
+    return possible ? throughEdge(pending.value, visibility(scene, pending.shadow)) : Rgb(0.0f);
 }
 }  // namespace
 
@@ -116,9 +99,9 @@ Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Verte
 }
 
 Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
-                    bool weighted, Vec2f& raster) {
+                    Vec2f& raster) {
     PendingConnection pending;
-    return valueOf(scene, prepareCamera(scene, strategies, light, uLens, weighted, raster, pending), pending);
+    return valueOf(scene, prepareCamera(scene, strategies, light, uLens, raster, pending), pending);
 }
 
 Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light,
@@ -128,18 +111,16 @@ Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vert
 }
 
 Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
-                  double inverseDiskArea, bool weighted) {
+                  double inverseDiskArea) {
     constexpr float kMinimalNormalAgreement = 0.5f;
     if (dot(light.si.ng, eye.si.ng) < kMinimalNormalAgreement) return Rgb(0.0f);
     // The density of photons on the surface is proportional to the cosine at the light vertex, S to that of
     // the shading normal: their ratio is the factor of [Veach97] for this vertex.
-    const float cosineLight = absDot(light.toPrevious, light.si.ng);
+    const float cosineLight = light.cosine(light.toPrevious);
     if (!(cosineLight > 0)) return Rgb(0.0f);
     const VertexScattering s = scatterEye(eye, light.toPrevious);
     if (isBlack(s.value)) return Rgb(0.0f);
-    const double weight =
-        weighted ? mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse, eye.mergeShare)
-                 : 1;
+    const double weight = mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse);
     return light.throughput * eye.throughput * s.value *
            static_cast<float>(weight * inverseDiskArea / cosineLight);
 }

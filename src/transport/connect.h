@@ -17,8 +17,16 @@ Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f
 /// A connection whose visibility is still to be asked for.
 struct PendingConnection {
     Rgb value{0.0f};  ///< if nothing is in the way
-    Ray shadow;       ///< Scene::intersector().occluded tells
+    Ray shadow;       ///< of visibility()
 };
+
+/// Share of the light that passes an edge whose shadow ray is blocked by a surface or not.
+inline Rgb visibility(bool blocked) { return Rgb(blocked ? 0.0f : 1.0f); }
+inline Rgb visibility(const Scene& scene, const Ray& shadow) { return visibility(!scene.isFree(shadow)); }
+/// What is left of a value: nothing, however large it is, where nothing passes.
+inline Rgb throughEdge(const Rgb& value, const Rgb& visibility) {
+    return isBlack(visibility) ? Rgb(0.0f) : value * visibility;
+}
 
 /// Eye vertex to a fresh light point (s = 1). False when its value is zero whatever is in the way.
 bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
@@ -27,13 +35,13 @@ bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex
 Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
                    const Vec2f& u);
 
-/// Light vertex to the camera (t = 1). The value is per pixel area at `raster`. `weighted` false: weight one
-/// (light tracing alone). False when it is zero whatever is in the way.
+/// Light vertex to the camera (t = 1). The value is per pixel area at `raster`. False when it is zero
+/// whatever is in the way.
 bool prepareCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
-                   bool weighted, Vec2f& raster, PendingConnection& pending);
+                   Vec2f& raster, PendingConnection& pending);
 /// The same with its visibility.
 Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
-                    bool weighted, Vec2f& raster);
+                    Vec2f& raster);
 
 /// Light vertex to eye vertex (s, t >= 2). False when the value is zero whatever is in the way.
 bool prepareVertices(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vertex& eye,
@@ -42,9 +50,8 @@ bool prepareVertices(const Scene& scene, const Strategies& strategies, const Ver
 Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vertex& eye);
 
 /// Light vertex merged with an eye vertex at distance <= radius; the value is multiplied by 1 / (pi r^2).
-/// Photons from the other side of a thin wall are refused by their normals. `weighted` false: weight one
-/// (photon mapping).
+/// Photons from the other side of a thin wall are refused by their normals.
 Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
-                  double inverseDiskArea, bool weighted = true);
+                  double inverseDiskArea);
 
 }  // namespace metrolux::core

@@ -11,88 +11,79 @@
 
 namespace metrolux::core {
 
-/// The eye subpaths of an iteration: one for each pixel of `pixels`, with the vertices that can be connected
-/// and merged.
-class EyeVertices {
-  public:
-    std::span<const Vertex> all() const { return vertices_; }
-    /// Vertices of the i-th eye subpath of the iteration (in the order of its pixels).
-    std::span<const Vertex> subpath(size_t i) const {
-        return {vertices_.data() + starts_[i], starts_[i + 1] - starts_[i]};
-    }
-    size_t subpathCount() const { return starts_.empty() ? 0 : starts_.size() - 1; }
-    size_t memoryBytes() const {
-        size_t sum = vertices_.capacity() * sizeof(Vertex) + starts_.capacity() * sizeof(size_t);
-        for (const Kept& k : kept_)
-            sum += k.vertices.capacity() * sizeof(Vertex) + k.places.capacity() * sizeof(uint32_t);
-        return sum;
-    }
-    /// Subpaths whose vertices are in memory twice while they are gathered, with up to eight threads.
-    static constexpr size_t kGroup = size_t{1} << 15;
+/// The eye subpaths of an iteration, in the order of its pixels, with the vertices that can be connected and
+/// merged.
+struct EyeVertices {
+    UninitializedVector<Vertex> vertices;
+    std::vector<size_t> starts;  ///< of each subpath in `vertices`, and the end of the last
 
+    std::span<const Vertex> all() const { return vertices; }
+    /// Vertices of the i-th eye subpath of the iteration.
+    std::span<const Vertex> subpath(size_t i) const {
+        return {vertices.data() + starts[i], starts[i + 1] - starts[i]};
+    }
+    size_t subpathCount() const { return starts.empty() ? 0 : starts.size() - 1; }
+    size_t memoryBytes() const {
+        return vertices.capacity() * sizeof(Vertex) + starts.capacity() * sizeof(size_t);
+    }
     void clear() {
-        vertices_.clear();
-        starts_.assign(1, 0);
+        vertices.clear();
+        starts.assign(1, 0);
     }
     /// Adds a subpath.
     void append(std::span<const Vertex> subpath) {
-        vertices_.insert(vertices_.end(), subpath.begin(), subpath.end());
-        starts_.push_back(vertices_.size());
+        vertices.insert(vertices.end(), subpath.begin(), subpath.end());
+        starts.push_back(vertices.size());
     }
-
-  private:
-    friend struct EyePass;
-    friend class EyeWave;
-    /// What a task of a pass has found, before it is put in order.
-    struct Kept {
-        UninitializedVector<Vertex> vertices;
-        std::vector<uint32_t> places;  ///< index of each one's subpath in the task
-    };
-    static constexpr size_t kTask = 512;  ///< subpaths
-    void begin(size_t subpaths, size_t tasks);
-    /// Puts in order what so many tasks have kept, from this subpath on.
-    void takeKept(size_t first, size_t tasks);
-
-    UninitializedVector<Vertex> vertices_;
-    std::vector<size_t> starts_;
-    std::vector<Kept> kept_;  ///< of a group of tasks; keeps its memory from pass to pass
 };
 
-/// Traces the eye subpaths of an iteration; adds hit and nee to the film.
+/// Traces the eye subpaths of an iteration: adds hit and nee to the film and keeps the vertices that light
+/// subpaths are joined with, as far as the strategies have them. This is the definition, one subpath after
+/// the other; wavefront/eye_wavefront.h gives the same bits faster.
 struct EyePass {
     const Scene& scene;
     const PathLimits& limits;
     const Strategies& strategies;
     uint64_t seed = 0;
     uint32_t pass = 0;
-    bool nextEvent = true;  ///< next-event estimation
-    bool keepVertices = true;
-    bool hit = true;     ///< emitters hit at any depth; false: directly seen ones only
-    bool direct = true;  ///< emitters that the camera sees directly
-    int deepest = -1;    ///< subpaths end after this many edges; -1: at the scene's limit
-    /// Photon mapping: vertices of narrow lobes (Bsdf::isNarrow) are not kept, and subpaths end where another
-    /// smooth lobe scatters them.
-    bool photonMapping = false;
 
-    /// `pixels`: indices in the film's window. Deterministic for any number of threads.
+    /// `pixels`: indices in the film's window.
     void run(std::span<const uint32_t> pixels, Film& film, EyeVertices& result) const;
 
     /// Traces one eye subpath (traceEyeSubpath) through `raster` and returns its hit and nee; appends its
-    /// vertices to `kept`. Next-event estimation at depth d reads block d of `nee`; `film` counts non-finite
-    /// contributions.
-    Rgb trace(SampleStream& stream, SampleStream& nee, const Vec2f& raster, float weight, uint32_t pixel,
+    /// vertices to `kept`. Next-event estimation at depth d reads block d of `nee`; without a stream it is
+    /// left to the caller. `film` counts non-finite contributions.
+    Rgb trace(SampleStream& stream, SampleStream* nee, const Vec2f& raster, float weight, uint32_t pixel,
               Film& film, std::vector<Vertex>& kept) const;
 
-    /// Coordinates of a vertex's block of `nee`: the choice of a light, a point on it (aligned to a pair).
-    static constexpr int kLightCoordinate = 0, kLightPointCoordinate = 2;
+    // What trace() is made of, for those who trace many subpaths together.
 
     /// The key of the subpath of a pixel, and that of its next-event estimation.
     uint64_t key(const FilmWindow& window, uint32_t pixel) const;
     static uint64_t neeKey(uint64_t key) { return hashKey(key, 0x6e6565); }
     WalkRules rules() const { return {scene, limits, strategies, TransportMode::Radiance}; }
 
+    /// What hitting an emitter by chance adds: at a vertex, and beyond the scene (SubpathVisitor::escaped).
+    Rgb hit(const Vertex& v, Film& film) const;
+    Rgb escaped(const Vec3f& from, const WalkEdge& edge, int depth, Film& film) const;
     /// Next-event estimation at one vertex of a subpath.
     Rgb estimateDirect(const Vertex& v, SampleStream& nee, Film& film) const;
+
+    /// Whether other techniques than hit work at a vertex. Photon mapping leaves narrow lobes to the walk.
+    bool joins(const Vertex& v) const {
+        return v.hasSmoothLobe() && !(strategies.mergeAt == Strategies::MergeAt::FirstVertex && v.isNarrow());
+    }
+    /// Whether a path with one more edge is not too long.
+    bool extensible(const Vertex& v) const { return limits.maxDepth < 0 || v.depth < limits.maxDepth; }
+    /// Whether the direction is followed that a vertex scattered into, which joins() or not.
+    bool follows(bool joined, bool delta) const {
+        return delta || !joined || strategies.mergeAt == Strategies::MergeAt::EveryVertex;
+    }
+
+  private:
+    bool countsHit(int depth) const {
+        return strategies.hit > 0 && depth >= limits.minDepth && !(depth == 1 && limits.hideEmitters);
+    }
 };
 
 }  // namespace metrolux::core

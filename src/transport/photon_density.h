@@ -1,6 +1,5 @@
 #pragma once
 #include "base/math.h"
-#include "base/prefetch.h"
 #include "base/state.h"
 
 #include <array>
@@ -21,15 +20,10 @@ class PhotonDensity {
 
     /// Counts so many vertices. Thread-safe; sums do not depend on the order. No effect on densities until
     /// endIteration().
-    void count(const Vec3f& p, uint32_t vertices = 1) { count(locate(p), vertices); }
-    /// The same in two steps, between which a caller with other work has it done while memory answers: an
-    /// atomic addition waits for it.
+    void count(const Vec3f& p, uint32_t vertices = 1) { count(bucketOf(p), vertices); }
+    /// The same in two steps.
     using Bucket = uint32_t;
-    Bucket locate(const Vec3f& p) const {
-        const Bucket bucket = bucketOf(p);
-        prefetchToWrite(&counts_[bucket]);
-        return bucket;
-    }
+    Bucket bucketOf(const Vec3f& p) const;
     void count(Bucket bucket, uint32_t vertices = 1) {
         counts_[bucket].fetch_add(vertices, std::memory_order_relaxed);
     }
@@ -41,7 +35,10 @@ class PhotonDensity {
     /// at() to within 1/16, from a table a quarter as large: every vertex asks, and would wait for memory. 0
     /// where fewer than 2^-28 vertices of a subpath are expected in the cell.
     float roughlyAt(const Vec3f& p) const { return levels_[codes_[bucketOf(p)]]; }
-    void prefetch(const Vec3f& p) const { metrolux::core::prefetch(&codes_[bucketOf(p)]); }
+
+    /// Of what count(bucket) changes and roughlyAt() reads there.
+    const void* addressOfCounter(Bucket bucket) const { return &counts_[bucket]; }
+    const void* addressOfLevel(Bucket bucket) const { return &codes_[bucket]; }
 
     /// Between two iterations.
     template <class Archive>
@@ -62,7 +59,6 @@ class PhotonDensity {
     void forBuckets(Body&& body);
 
     static constexpr size_t kBuckets = size_t{1} << 18;
-    Bucket bucketOf(const Vec3f& p) const;
 
     double inverseCell_, area_, lightSubpaths_ = 0;
     std::unique_ptr<std::atomic<uint32_t>[]> counts_;

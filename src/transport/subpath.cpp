@@ -17,7 +17,6 @@ void continueWalk(const WalkRules& walk, SampleStream& stream, SubpathVisitor& v
             visitor.escaped(from, edge, v.depth + 1);
             return;
         }
-        v.bsdf().prefetch(v.si);
         if (!arrive(edge, from, certain, v)) return;
         weighMerging(walk, certain, v);
     }
@@ -28,11 +27,9 @@ void continueWalk(const WalkRules& walk, SampleStream& stream, SubpathVisitor& v
 void traceEyeSubpath(const Scene& scene, SampleStream& stream, const PathLimits& limits,
                      const Strategies& strategies, const Vec2f& raster, float weight, uint32_t pixel,
                      SubpathVisitor& visitor) {
-    stream.seek(0);
-    stream.next2D();
     const WalkRules walk{scene, limits, strategies, TransportMode::Radiance};
     WalkEdge first;
-    if (!startEye(walk, stream.next2D(), raster, weight, first)) return;
+    if (!startEye(walk, read(stream, layout::kLens), raster, weight, first)) return;
     Vertex v;
     if (!scene.intersect(first.ray, v.si)) {
         visitor.escaped(first.ray.origin, first, 1);

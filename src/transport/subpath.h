@@ -23,14 +23,13 @@ class SubpathVisitor {
     }
 };
 
-/// Random walk from the camera through `raster` (pixels of the full image). `weight` multiplies the
-/// throughput. Block 0 of the stream: coordinates 0-1 are the caller's (raster position), 2-3 the lens.
+/// Random walk from the camera through `raster` (pixels of the full image), which the caller has got from the
+/// stream (transport/primary_layout.h). `weight` multiplies the throughput.
 void traceEyeSubpath(const Scene& scene, SampleStream& stream, const PathLimits& limits,
                      const Strategies& strategies, const Vec2f& raster, float weight, uint32_t pixel,
                      SubpathVisitor& visitor);
 
-/// Random walk from a light. Block 0 of the stream: light choice, point (2), direction (2); the remaining
-/// coordinates are the caller's (LightPass).
+/// Random walk from a light.
 void traceLightSubpath(const Scene& scene, SampleStream& stream, const PathLimits& limits,
                        const Strategies& strategies, SubpathVisitor& visitor);
 

@@ -4,6 +4,7 @@
 #include "transport/mis.h"
 
 #include <cstring>
+#include <optional>
 #include <type_traits>
 
 namespace metrolux::core {
@@ -14,11 +15,34 @@ struct Vertex {
     Vec3f toPrevious{0.0f};  ///< unit direction to the predecessor
     float distanceToPrevious = 0;
     Rgb throughput{0.0f};  ///< product of value / density up to the arrival at this vertex
-    float mergeShare = 1;  ///< Strategies::mergeShare() here
     MisState mis;          ///< at arrival
     uint32_t pixel = 0;    ///< eye subpaths: index in the rendered window
     int depth = 0;         ///< edges between the endpoint and this vertex
 
+    // What a vertex scatters and emits by. Here alone it is known to lie on a surface with a BSDF: one in a
+    // medium would answer by its phase function.
+
+    /// Whether other subpaths can be joined with it; false if it only has delta lobes.
+    bool hasSmoothLobe() const { return bsdf().hasSmoothLobe(); }
+    /// Whether merging finds too few photons for the lobe (Bsdf::isNarrow).
+    bool isNarrow() const { return bsdf().isNarrow(si); }
+    Rgb albedo() const { return bsdf().albedo(si); }
+    /// Null unless it lies on an area light.
+    const Light* emitter() const { return si.shape->emitter.get(); }
+    /// Factor of a direction in all densities per area and geometric factors: |cos| with the geometric
+    /// normal.
+    float cosine(const Vec3f& w) const { return absDot(w, si.ng); }
+    /// Directions in the frame of the shading normal: `known` to the predecessor, the result away from it.
+    std::optional<BsdfSample> sample(const Vec3f& known, TransportMode mode, float uLobe,
+                                     const Vec2f& u) const {
+        return bsdf().sample(si, known, mode, uLobe, u);
+    }
+    /// S and densities for world directions.
+    BsdfEvaluation evaluate(const Vec3f& toEye, const Vec3f& toLight) const {
+        return bsdf().evaluate(si, si.toLocal(toEye), si.toLocal(toLight));
+    }
+
+  private:
     const Bsdf& bsdf() const { return *si.shape->bsdf; }
 };
 
@@ -41,23 +65,23 @@ struct VertexScattering {
 
 /// Eye vertex toward the light side. Value: S, as in scattering/bsdf.h.
 inline VertexScattering scatterEye(const Vertex& v, const Vec3f& toLight) {
-    const BsdfEvaluation e = v.bsdf().evaluate(v.si, v.si.toLocal(v.toPrevious), v.si.toLocal(toLight));
+    const BsdfEvaluation e = v.evaluate(v.toPrevious, toLight);
     return {e.value, e.pdfLight, e.pdfEye};
 }
 
 /// Light vertex toward the eye side. Value: S |wEye.Ng| / |wLight.Ng|, Veach's adjoint (5.3.4): the only
 /// place, with lightSampleFactor, where the asymmetry of shading normals enters.
 inline VertexScattering scatterLight(const Vertex& v, const Vec3f& toEye) {
-    const float cosineLight = absDot(v.toPrevious, v.si.ng);
+    const float cosineLight = v.cosine(v.toPrevious);
     if (!(cosineLight > 0)) return {};
-    const BsdfEvaluation e = v.bsdf().evaluate(v.si, v.si.toLocal(toEye), v.si.toLocal(v.toPrevious));
-    return {e.value * (absDot(toEye, v.si.ng) / cosineLight), e.pdfEye, e.pdfLight};
+    const BsdfEvaluation e = v.evaluate(toEye, v.toPrevious);
+    return {e.value * (v.cosine(toEye) / cosineLight), e.pdfEye, e.pdfLight};
 }
 
 /// The same factor for a sampled direction of a light subpath, whose weight is S / pdf.
 inline float lightSampleFactor(const Vertex& v, const Vec3f& sampled) {
-    const float cosineLight = absDot(v.toPrevious, v.si.ng);
-    return cosineLight > 0 ? absDot(sampled, v.si.ng) / cosineLight : 0.0f;
+    const float cosineLight = v.cosine(v.toPrevious);
+    return cosineLight > 0 ? v.cosine(sampled) / cosineLight : 0.0f;
 }
 
 }  // namespace metrolux::core

@@ -1,7 +1,6 @@
 #include "transport/vertex_grid.h"
 
 #include "base/parallel.h"
-#include "base/prefetch.h"
 #include "transport/cell_blocks.h"
 
 #include <algorithm>
@@ -14,12 +13,10 @@ namespace {
 using cellblocks::kCells;
 /// Parts of the table that are sorted by themselves.
 constexpr uint32_t kSections = 64;
-/// Entries of a bucket that are asked for in advance: two cache lines.
-constexpr uint32_t kPrefetched = 8;
 
 }  // namespace
 
-VertexGrid::Cells VertexGrid::locate(const Vec3f& p) const {
+VertexGrid::Cells VertexGrid::cellsOf(const Vec3f& p) const {
     // One or two cells along each axis. Their blocks' hashes share what they have in common, and no two cells
     // have the same place in their blocks, so that all buckets differ, whatever the hashes.
     std::array<std::array<int64_t, 2>, 3> cell;
@@ -43,35 +40,8 @@ VertexGrid::Cells VertexGrid::locate(const Vec3f& p) const {
                 const uint32_t bucket =
                     cellblocks::bucket(key, blockMask_, cell[0][x], cell[1][y], cell[2][z]);
                 cells.buckets[cells.count++] = bucket;
-                prefetch(&starts_[bucket]);
             }
     return cells;
-}
-
-void VertexGrid::prefetchEntries(const Cells& cells) const {
-    for (uint32_t c = 0; c < cells.count; ++c) {
-        const uint32_t begin = starts_[cells.buckets[c]], end = starts_[cells.buckets[c] + 1];
-        if (begin < end)
-            prefetch(entries_.data() + begin, std::min(end - begin, kPrefetched) * sizeof(Entry));
-    }
-}
-
-void VertexGrid::addWithin(const Vec3f& p, const Cells& cells, UninitializedVector<uint32_t>& indices) const {
-    const size_t before = indices.size();
-    size_t most = before;
-    for (uint32_t c = 0; c < cells.count; ++c)
-        most += starts_[cells.buckets[c] + 1] - starts_[cells.buckets[c]];
-    indices.resize(most);
-    // Without branches that depend on the distance: one in five is near.
-    uint32_t* end = indices.data() + before;
-    for (uint32_t c = 0; c < cells.count; ++c) {
-        const Entry* const last = entries_.data() + starts_[cells.buckets[c] + 1];
-        for (const Entry* e = entries_.data() + starts_[cells.buckets[c]]; e != last; ++e) {
-            *end = e->index;
-            end += lengthSquared(e->position - p) <= radiusSquared_;
-        }
-    }
-    indices.resize(static_cast<size_t>(end - indices.data()));
 }
 
 template <class PositionOf>

@@ -26,60 +26,57 @@ class VertexGrid {
     /// vertices only.
     template <class Visit>
     void query(const Vec3f& p, Visit&& visit) const {
-        if (empty()) return;
-        const Cells cells = locate(p);
-        prefetchEntries(cells);
-        findWithin(p, cells, [&](const Entry& e) {
-            visit(e.index);
+        find(p, [&](uint32_t index) {
+            visit(index);
             return false;
         });
     }
 
     /// Whether any vertex lies within the radius of p.
     bool anyWithin(const Vec3f& p) const {
-        if (empty()) return false;
-        const Cells cells = locate(p);
-        prefetchEntries(cells);
-        return findWithin(p, cells, [](const Entry&) { return true; });
+        return find(p, [](uint32_t) { return true; });
     }
-
-    /// The buckets of the cells that a ball touches, all different.
-    struct Cells {
-        std::array<uint32_t, 8> buckets;
-        uint32_t count = 0;
-    };
-    /// A query in three steps, between which a caller with other work has it done while memory answers:
-    /// locate(), prefetchEntries() and addWithin() with their result. Not when empty().
-    Cells locate(const Vec3f& p) const;
-    void prefetchEntries(const Cells& cells) const;
-    /// Appends the indices that query() would visit, in its order.
-    void addWithin(const Vec3f& p, const Cells& cells, UninitializedVector<uint32_t>& indices) const;
     bool empty() const { return entries_.empty(); }
 
-  private:
+    // What a query is made of, for those who make many together (wavefront/prefetching.h). Not when empty().
+
     struct Entry {
         Vec3f position;
         uint32_t index;
     };
+    /// The buckets of the cells that a ball touches, all different.
+    struct Cells {
+        std::array<uint32_t, 8> buckets;
+        uint32_t count = 0;
+        std::span<const uint32_t> all() const { return {buckets.data(), count}; }
+    };
+    Cells cellsOf(const Vec3f& p) const;
+    std::span<const Entry> entriesOf(uint32_t bucket) const {
+        return {entries_.data() + starts_[bucket], entries_.data() + starts_[bucket + 1]};
+    }
+    bool isWithin(const Entry& e, const Vec3f& p) const {
+        return lengthSquared(e.position - p) <= radiusSquared_;
+    }
+    /// Of what entriesOf(bucket) reads.
+    const void* addressOf(uint32_t bucket) const { return &starts_[bucket]; }
+
+  private:
     template <class PositionOf>
     void buildFrom(size_t n, float radius, PositionOf&& positionOf);
-    /// Calls accept(entry) for those within the radius until it returns true; returns whether it did.
+    /// Calls accept(index) for those within the radius until it returns true; returns whether it did.
     template <class Accept>
-    bool findWithin(const Vec3f& p, const Cells& cells, Accept&& accept) const {
-        for (uint32_t c = 0; c < cells.count; ++c) {
-            const uint32_t bucket = cells.buckets[c], end = starts_[bucket + 1];
-            for (uint32_t i = starts_[bucket]; i < end; ++i) {
-                const Entry& e = entries_[i];
-                if (lengthSquared(e.position - p) <= radiusSquared_ && accept(e)) return true;
-            }
-        }
+    bool find(const Vec3f& p, Accept&& accept) const {
+        if (empty()) return false;
+        for (const Cells cells = cellsOf(p); const uint32_t bucket : cells.all())
+            for (const Entry& e : entriesOf(bucket))
+                if (isWithin(e, p) && accept(e.index)) return true;
         return false;
     }
 
     float radius_ = 0, radiusSquared_ = 0;
     double inverseCell_ = 0;
-    uint32_t blockMask_ = 0;  ///< number of blocks, a power of two, less one
-    std::vector<uint32_t, HugePageAllocator<uint32_t>> starts_;
+    uint32_t blockMask_ = 0;                ///< number of blocks, a power of two, less one
+    UninitializedVector<uint32_t> starts_;  ///< of each bucket in entries_, and the end
     UninitializedVector<Entry> entries_;
 };
 

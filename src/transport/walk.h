@@ -1,12 +1,14 @@
 #pragma once
 #include "sampling/sample_stream.h"
 #include "scene/scene.h"
+#include "transport/light_edge.h"
+#include "transport/primary_layout.h"
 #include "transport/vertex.h"
 
 namespace metrolux::core {
 
 /// The steps of a random walk, which one subpath takes alone (subpath.h) and many take side by side
-/// (eye_wave.h, light_wave.h). The only home of throughput, roulette, the adjoint correction and the MIS
+/// (wavefront/). The only home of throughput, roulette, the adjoint correction and the MIS
 /// recursion.
 
 /// The edge of a subpath that is to be traced next.
@@ -37,9 +39,8 @@ bool scatter(const WalkRules& walk, const Vertex& v, float uLobe, const Vec2f& u
              WalkEdge& next) {
     /// Survival probability never exceeds this once roulette is on, so that lossless scenes end.
     constexpr float kMaximalSurvival = 0.95f;
-    const Bsdf& bsdf = v.bsdf();
     const Vec3f known = v.si.toLocal(v.toPrevious);
-    const std::optional<BsdfSample> s = bsdf.sample(v.si, known, walk.mode, uLobe, u);
+    const std::optional<BsdfSample> s = v.sample(known, walk.mode, uLobe, u);
     if (!s) return false;
     const Vec3f direction = normalize(v.si.toWorld(s->direction));
 
@@ -48,13 +49,13 @@ bool scatter(const WalkRules& walk, const Vertex& v, float uLobe, const Vec2f& u
 
     if (walk.plays(v.depth)) {
         // Local quantities only: the survival probability does not depend on how the walk came here.
-        const float survival = std::min(maxComponent(bsdf.albedo(v.si)), kMaximalSurvival);
+        const float survival = std::min(maxComponent(v.albedo()), kMaximalSurvival);
         if (!(roulette() < survival)) return false;
         next.throughput *= 1.0f / survival;
     }
     if (isBlack(next.throughput)) return false;
 
-    const double cosine = absDot(direction, v.si.ng);
+    const double cosine = v.cosine(direction);
     if (!(cosine > 0)) return false;
     next.mis = v.mis;
     next.delta = s->delta;
@@ -64,26 +65,25 @@ bool scatter(const WalkRules& walk, const Vertex& v, float uLobe, const Vec2f& u
             solidAngleRatio = absCosTheta(known) / (double(absCosTheta(s->direction)) * s->eta * s->eta);
         next.mis.scatterDelta(cosine, s->pdfReverse / s->pdfForward, solidAngleRatio);
     } else {
-        next.mis.scatter(walk.strategies, cosine, s->pdfForward, s->pdfReverse, v.mergeShare);
+        next.mis.scatter(walk.strategies, cosine, s->pdfForward, s->pdfReverse);
     }
     next.ray = {offsetRayOrigin(v.si.p, v.si.ng, direction), direction, kInfinity};
     return true;
 }
 
-/// The same with the numbers of the vertex's block of `stream`: lobe, direction (2), roulette.
+/// The same with the numbers of the vertex's block of `stream`.
 inline bool scatter(const WalkRules& walk, SampleStream& stream, const Vertex& v, WalkEdge& next) {
-    stream.seek(v.depth);
-    const float uLobe = stream.next1D();
-    const Vec2f u = stream.next2D();
+    const float uLobe = read(stream, layout::kLobe, v.depth);
+    const Vec2f u = read(stream, layout::kDirection, v.depth);
     return scatter(
-        walk, v, uLobe, u, [&] { return stream.next1D(); }, next);
+        walk, v, uLobe, u, [&] { return read(stream, layout::kRoulette, v.depth); }, next);
 }
 
 /// The vertex before has become the one where `edge` ends: `v.si` is the hit, everything else still that of
 /// the vertex at `from`. `certain`: whether an eye subpath has met no smooth surface before, so that its next
 /// vertex is not there by chance. False when the walk ends. weighMerging() is still to be called.
 inline bool arrive(const WalkEdge& edge, const Vec3f& from, bool& certain, Vertex& v) {
-    const double cosine = absDot(edge.ray.direction, v.si.ng);
+    const double cosine = v.cosine(edge.ray.direction);
     if (!(cosine > 0)) return false;
     v.distanceToPrevious = (v.si.p - from).length();
     v.mis = edge.mis;
@@ -95,9 +95,9 @@ inline bool arrive(const WalkEdge& edge, const Vec3f& from, bool& certain, Verte
     return true;
 }
 
-/// Sets v.mergeShare. By itself, because it waits for the memory of Strategies::photons.
+/// Sets v.mis.mergeShare. By itself, because it waits for the memory of Strategies::photons.
 inline void weighMerging(const WalkRules& walk, bool certain, Vertex& v) {
-    v.mergeShare = certain ? 1.0f : static_cast<float>(walk.strategies.mergeShare(v.si.p));
+    v.mis.mergeShare = certain ? 1.0f : static_cast<float>(walk.strategies.mergeShare(v.si.p));
 }
 
 /// The first edge of an eye subpath, from the camera through `raster`. False when no light can come that way.
@@ -106,8 +106,8 @@ inline bool startEye(const WalkRules& walk, const Vec2f& uLens, const Vec2f& ras
     const Camera& camera = walk.scene.camera();
     const std::optional<EndpointRay> start = camera.sampleRay(uLens, raster);
     if (!start) return false;
-    first.mis = camera.isInfinite() ? MisState::startEyeInfinite(walk.strategies, start->pdfPosition)
-                                    : MisState::startEye(walk.strategies, start->pdfDirection);
+    first.mis =
+        MisState::startEye(walk.strategies, camera.isInfinite() ? start->pdfPosition : start->pdfDirection);
     first.throughput = start->weight * weight;
     first.ray = {start->origin, start->direction, kInfinity};
     return true;
@@ -116,7 +116,7 @@ inline bool startEye(const WalkRules& walk, const Vec2f& uLens, const Vec2f& ras
 /// As arrive(), at the first vertex, which is certain.
 inline bool arriveFromCamera(const WalkRules& walk, const WalkEdge& first, uint32_t pixel, Vertex& v) {
     const Camera& camera = walk.scene.camera();
-    const double cosine = absDot(first.ray.direction, v.si.ng);
+    const double cosine = v.cosine(first.ray.direction);
     if (!(cosine > 0)) return false;
     // The camera's ray may start at a near plane: distances count from the center of projection.
     const Vec3f origin = camera.isInfinite() ? first.ray.origin
@@ -126,29 +126,16 @@ inline bool arriveFromCamera(const WalkRules& walk, const WalkEdge& first, uint3
     v.mis.arrive(camera.isInfinite() ? 1.0 : sqr(double(v.distanceToPrevious)), cosine);
     v.toPrevious = -first.ray.direction;
     v.throughput = first.throughput;
-    v.mergeShare = 1;
     v.pixel = pixel;
     v.depth = 1;
     return true;
 }
 
-/// How a light subpath begins.
-struct LightStart {
-    Scene::LightChoice choice;
-    EndpointRay point;
-    Ray ray;
-};
-
-inline EndpointKind kindOf(const Light& light) {
-    if (light.isInfinite()) return EndpointKind::Infinite;
-    return light.isDelta() ? EndpointKind::DeltaPosition : EndpointKind::Surface;
-}
-
-/// Reads block 0 of the stream: light choice, point (2), direction (2). False when nothing is emitted.
+/// The first edge of a light subpath, by the numbers of block 0. False when nothing is emitted.
 inline bool startLight(const WalkRules& walk, SampleStream& stream, LightStart& start) {
-    stream.seek(0);
-    float uLight = stream.next1D();
-    const Vec2f uPosition = stream.next2D(), uDirection = stream.next2D();
+    float uLight = read(stream, layout::kEmitter);
+    const Vec2f uPosition = read(stream, layout::kEmissionPoint);
+    const Vec2f uDirection = read(stream, layout::kEmissionDirection);
     start.choice = walk.scene.chooseLightForEmission(uLight);
     if (!start.choice.light) return false;
     const std::optional<EndpointRay> point = start.choice.light->sampleRay(uPosition, uDirection);
@@ -163,27 +150,11 @@ inline bool startLight(const WalkRules& walk, SampleStream& stream, LightStart& 
 /// As arrive(), at the first vertex.
 inline bool arriveFromLight(const WalkRules& walk, const LightStart& start, Vertex& v) {
     const EndpointRay& point = start.point;
-    const Light& light = *start.choice.light;
-    LightEdge edge;
-    edge.kind = kindOf(light);
-    edge.delta = light.isDelta();
-    edge.position = point.pdfPosition;
-    edge.direction = double(point.pdfDirection) * start.choice.probability;
-    edge.cosineLight = point.cosine;
-    edge.cosineSurface = absDot(point.direction, v.si.ng);
+    if (!(v.cosine(point.direction) > 0)) return false;
     v.distanceToPrevious = (v.si.p - point.origin).length();
-    edge.distanceSquared = sqr(double(v.distanceToPrevious));
-    if (!(edge.cosineSurface > 0)) return false;
-    // Zero for a light that next-event estimation cannot reach (a collimated beam): then nee is no technique.
-    edge.connect = light.isConnectable() ? walk.scene.connectionProbability(v.si.p, &light) : 0.0;
-    if (edge.kind == EndpointKind::Surface)
-        edge.connect *= light.densities(v.si.p, point.surface).connect;
-    else if (!edge.delta)
-        edge.connect *= light.environmentDensities(v.si.p, -point.direction).connect;
-
     v.toPrevious = -point.direction;
     v.throughput = point.weight * (1.0f / start.choice.probability);
-    v.mis = MisState::arriveFromLight(walk.strategies, edge, edge.emissionOverConnection());
+    v.mis = MisState::arriveFromLight(walk.strategies, emittedEdge(walk.scene, start, v));
     v.depth = 1;
     return true;
 }

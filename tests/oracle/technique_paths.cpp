@@ -12,8 +12,8 @@ constexpr size_t kVertices = 3;
 
 /// With these counts and no history every other technique vanishes from the weight of a connection or merge:
 /// what remains is the contribution itself.
-const Strategies kConnectionsAlone{1e30, 1, 0, nullptr};
-const Strategies kMergesAlone{1e30, 1, 1e30, nullptr};
+const Strategies kConnectionsAlone = Strategies::bidirectional(1e-30, 0);
+const Strategies kMergesAlone = Strategies::bidirectional(1e-30, 1e30);
 
 Vertex withoutHistory(Vertex v) {
     v.mis = {};
@@ -42,7 +42,7 @@ void TechniquePaths::run(uint64_t index) {
     lightStream.seek(0);
     float uLight = lightStream.next1D();
     source_ = scene_.chooseLightForEmission(uLight).light;
-    for (const Vertex& v : eye_.vertices) reducedShares_ += v.mergeShare < 0.9f;
+    for (const Vertex& v : eye_.vertices) reducedShares_ += v.mis.mergeShare < 0.9f;
 
     if (wanted_("hit")) hits();
     nextEvents();
@@ -107,7 +107,7 @@ void TechniquePaths::hits() {
 void TechniquePaths::nextEvents() {
     const std::vector<Vertex>& e = eye_.vertices;
     for (size_t j = 0; j < e.size() && j < kVertices && wanted_("nee"); ++j) {
-        if (!e[j].bsdf().hasSmoothLobe()) continue;
+        if (!e[j].hasSmoothLobe()) continue;
         const Vec2f u = rng_.next2D();
         const float uLight = choices_.next1D();
         float uChoice = uLight;
@@ -131,15 +131,16 @@ void TechniquePaths::nextEvents() {
 void TechniquePaths::splats() {
     const std::vector<Vertex>& l = light_.vertices;
     for (size_t j = 0; j < l.size() && j < kVertices && wanted_("splat"); ++j) {
-        if (!l[j].bsdf().hasSmoothLobe()) continue;
+        if (!l[j].hasSmoothLobe()) continue;
         FullPath path;
         path.uLens = choices_.next2D();
         Vec2f raster;
-        const Rgb weighted = connectToCamera(scene_, n_, l[j], path.uLens, true, raster);
+        const Rgb weighted = connectToCamera(scene_, n_, l[j], path.uLens, raster);
         if (isBlack(weighted)) continue;
         appendLight(path, j + 1);
         check_({"splat", static_cast<int>(j) + 2}, path,
-               ratio(weighted, connectToCamera(scene_, n_, l[j], path.uLens, false, raster)));
+               ratio(weighted,
+                     connectToCamera(scene_, kConnectionsAlone, withoutHistory(l[j]), path.uLens, raster)));
     }
 }
 
@@ -147,7 +148,7 @@ void TechniquePaths::connections() {
     const std::vector<Vertex>&l = light_.vertices, &e = eye_.vertices;
     for (size_t a = 0; a < l.size() && a < kVertices; ++a)
         for (size_t b = 0; b < e.size() && b < kVertices && wanted_("connect"); ++b) {
-            if (!l[a].bsdf().hasSmoothLobe() || !e[b].bsdf().hasSmoothLobe()) continue;
+            if (!l[a].hasSmoothLobe() || !e[b].hasSmoothLobe()) continue;
             const Rgb weighted = connectVertices(scene_, n_, l[a], e[b]);
             if (isBlack(weighted) || !(lengthSquared(l[a].si.p - e[b].si.p) > 1e-4f)) continue;
             FullPath path;
@@ -162,7 +163,7 @@ void TechniquePaths::connections() {
 void TechniquePaths::merges() {
     const std::vector<Vertex>& l = light_.vertices;
     for (size_t a = 0; a < l.size() && a < kVertices && wanted_("merge"); ++a) {
-        if (!l[a].bsdf().hasSmoothLobe()) continue;
+        if (!l[a].hasSmoothLobe()) continue;
         const size_t b = static_cast<size_t>(rng_.next1D() * (static_cast<float>(kVertices) - 0.001f));
         const std::optional<Vertex> joined = joinedVertex(a, b);
         if (!joined) continue;
@@ -180,7 +181,7 @@ void TechniquePaths::merges() {
 std::optional<Vertex> TechniquePaths::joinedVertex(size_t a, size_t b) const {
     const Vertex& at = light_.vertices[a];
     const std::vector<Vertex>& e = eye_.vertices;
-    if (b > e.size() || (b > 0 && !e[b - 1].bsdf().hasSmoothLobe())) return std::nullopt;
+    if (b > e.size() || (b > 0 && !e[b - 1].hasSmoothLobe())) return std::nullopt;
     Vertex joined = at;
     joined.throughput = Rgb(1.0f);
     double distanceSquared = 1, cosine = 0;
@@ -191,9 +192,7 @@ std::optional<Vertex> TechniquePaths::joinedVertex(size_t a, size_t b) const {
         joined.distanceToPrevious = c->distance;
         const bool infinite = scene_.camera().isInfinite();
         if (!infinite) distanceSquared = sqr(double(c->distance));
-        joined.mis = infinite ? MisState::startEyeInfinite(n_, c->pdfPosition)
-                              : MisState::startEye(n_, c->pdfDirection);
-        joined.mergeShare = 1;
+        joined.mis = MisState::startEye(n_, infinite ? c->pdfPosition : c->pdfDirection);
     } else {
         const Vertex& from = e[b - 1];
         if (!scene_.visible(at.si.p, at.si.ng, from.si.p, from.si.ng)) return std::nullopt;
@@ -203,9 +202,8 @@ std::optional<Vertex> TechniquePaths::joinedVertex(size_t a, size_t b) const {
         const VertexScattering s = scatterEye(from, -joined.toPrevious);
         if (!(s.pdfForward > 0)) return std::nullopt;
         joined.mis = from.mis;
-        joined.mis.scatter(n_, absDot(joined.toPrevious, from.si.ng), s.pdfForward, s.pdfReverse,
-                           from.mergeShare);
-        joined.mergeShare = static_cast<float>(n_.mergeShare(joined.si.p));
+        joined.mis.scatter(n_, absDot(joined.toPrevious, from.si.ng), s.pdfForward, s.pdfReverse);
+        joined.mis.mergeShare = static_cast<float>(n_.mergeShare(joined.si.p));
     }
     cosine = absDot(joined.toPrevious, joined.si.ng);
     if (!(cosine > 1e-4) || !(distanceSquared > 1e-4)) return std::nullopt;

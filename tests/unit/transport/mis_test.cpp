@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 namespace metrolux::core {
 namespace {
 
@@ -19,7 +21,7 @@ TEST(Mis, PathTracingKnowsHitAndNeeOnly) {
     eye.arrive(4, 0.5);
     const double pb = 0.3, pl = 1.7, cosineSurface = 0.4, cosineLight = 0.8, d2 = 2.5;
     LightEdge e;
-    e.connect = pl, e.position = 0.1, e.direction = 0.2;
+    e.pdfNee = pl, e.pdfPosition = 0.1, e.pdfDirection = 0.2;
     e.cosineLight = cosineLight, e.cosineSurface = cosineSurface, e.distanceSquared = d2;
     const double nee = neeWeight(n, eye, e, pb, 0.25);
     EXPECT_NEAR(nee, pl / (pl + pb), 1e-12);
@@ -27,8 +29,7 @@ TEST(Mis, PathTracingKnowsHitAndNeeOnly) {
     MisState after = eye;
     after.scatter(n, cosineSurface, pb, 0.25);
     after.arrive(d2, cosineLight);
-    const double connectArea = pl * cosineLight / d2;
-    EXPECT_NEAR(hitWeight(n, after, connectArea, 0.02), pb / (pl + pb), 1e-12);
+    EXPECT_NEAR(hitWeight(n, after, e.pdfNeeAtLight(), 0.02), pb / (pl + pb), 1e-12);
 }
 
 TEST(Mis, NeeHasAllTheWeightAtDeltaLightsWithoutLightSubpaths) {
@@ -39,16 +40,16 @@ TEST(Mis, NeeHasAllTheWeightAtDeltaLightsWithoutLightSubpaths) {
     EXPECT_EQ(neeWeight(Strategies::path(), MisState{}, e, 5, 5), 1);
 }
 
-TEST(Mis, EmissionOverConnectionOfEachKindOfEndpoint) {
+TEST(Mis, EmissionOverNeeOfEachKindOfEndpoint) {
     LightEdge e;
-    e.connect = 0.5, e.position = 0.25, e.direction = 0.75, e.cosineLight = 0.3, e.cosineSurface = 0.6,
+    e.pdfNee = 0.5, e.pdfPosition = 0.25, e.pdfDirection = 0.75, e.cosineLight = 0.3, e.cosineSurface = 0.6,
     e.distanceSquared = 4;
     e.kind = EndpointKind::Surface;  // x0 -> x1: p_A p_w cos1 / d^2 over p_nee cos0 / d^2
-    EXPECT_NEAR(e.emissionOverConnection(), 0.25 * 0.75 * 0.6 / (0.5 * 0.3), 1e-12);
+    EXPECT_NEAR(e.emissionOverNee(), 0.25 * 0.75 * 0.6 / (0.5 * 0.3), 1e-12);
     e.kind = EndpointKind::DeltaPosition;
-    EXPECT_NEAR(e.emissionOverConnection(), 0.25 * 0.75 * 0.6 / (0.5 * 4), 1e-12);
+    EXPECT_NEAR(e.emissionOverNee(), 0.25 * 0.75 * 0.6 / (0.5 * 4), 1e-12);
     e.kind = EndpointKind::Infinite;
-    EXPECT_NEAR(e.emissionOverConnection(), 0.25 * 0.75 * 0.6 / 0.5, 1e-12);
+    EXPECT_NEAR(e.emissionOverNee(), 0.25 * 0.75 * 0.6 / 0.5, 1e-12);
 }
 
 TEST(Mis, MoreSamplesOfATechniqueGiveItMoreWeight) {
@@ -68,21 +69,70 @@ TEST(Mis, MoreSamplesOfATechniqueGiveItMoreWeight) {
               hitWeight(Strategies::bidirectional(1, 0), eye, 0, 0.2));
 }
 
-TEST(Mis, WeightsAreProbabilities) {
-    CounterRng rng(1);
-    const auto random = [&] { return std::exp(16 * (rng.nextDouble() - 0.5)); };
-    for (int i = 0; i < 2000; ++i) {
-        const Strategies n = Strategies::bidirectional(random(), random());
-        const MisState light{random(), random(), random()}, eye{random(), random(), random()};
-        LightEdge e;
-        e.kind = static_cast<EndpointKind>(i % 3), e.delta = i % 2 == 0;
-        e.connect = random(), e.position = random(), e.direction = random();
-        for (const double w :
-             {hitWeight(n, eye, random(), random()), neeWeight(n, eye, e, random(), random()),
-              splatWeight(n, light, random(), random()), mergeWeight(n, light, eye, random(), random()),
-              connectWeight(n, light, eye, random(), random(), random(), random())})
-            ASSERT_TRUE(w > 0 && w <= 1) << w;
+/// A path of numbers: x_0 on an area light, x_1 ... x_kInner, the camera; edge i joins x_i and x_{i+1}.
+struct RandomPath {
+    static constexpr int kInner = 4;
+    LightEdge first;
+    double pdfCamera;                                    ///< of the direction toward x_kInner, from the eye
+    std::array<double, kInner + 1> d2, cosNear, cosFar;  ///< of edge i; |cos| at x_i and at x_{i+1}
+    std::array<double, kInner + 1> fromLight, fromEye;  ///< at x_i: densities of the directions away and back
+    std::array<float, kInner + 1> share;                ///< of merging at x_i
+
+    explicit RandomPath(CounterRng& rng) {
+        const auto random = [&] { return std::exp(3 * (rng.nextDouble() - 0.5)); };
+        for (int i = 0; i <= kInner; ++i) {
+            d2[i] = random(), cosNear[i] = rng.nextDouble(), cosFar[i] = rng.nextDouble();
+            fromLight[i] = random(), fromEye[i] = random();
+            share[i] = i == kInner ? 1.0f : 1 - rng.next1D();  // the first eye vertex is not there by chance
+        }
+        pdfCamera = random();
+        first.pdfNee = random(), first.pdfPosition = random(), first.pdfDirection = random();
+        first.cosineLight = cosNear[0], first.cosineSurface = cosFar[0], first.distanceSquared = d2[0];
     }
+
+    double sumOfWeights(const Strategies& n) const {
+        std::array<MisState, kInner + 1> light, eye;  // at x_i
+        light[1] = MisState::arriveFromLight(n, first);
+        light[1].mergeShare = share[1];
+        for (int i = 1; i < kInner; ++i) {
+            light[i + 1] = light[i];
+            light[i + 1].scatter(n, cosNear[i], fromLight[i], fromEye[i]);
+            light[i + 1].arrive(d2[i], cosFar[i]);
+            light[i + 1].mergeShare = share[i + 1];
+        }
+        eye[kInner] = MisState::startEye(n, pdfCamera);
+        eye[kInner].arrive(d2[kInner], cosNear[kInner]);
+        for (int i = kInner; i > 0; --i) {
+            eye[i - 1] = eye[i];
+            eye[i - 1].scatter(n, cosFar[i - 1], fromEye[i], fromLight[i]);
+            eye[i - 1].arrive(d2[i - 1], cosNear[i - 1]);
+            eye[i - 1].mergeShare = share[i - 1];
+        }
+        double sum = 0;
+        if (n.hit > 0) sum += hitWeight(n, eye[0], first.pdfNeeAtLight(), first.pdfEmission());
+        if (n.nee > 0) sum += neeWeight(n, eye[1], first, fromEye[1], fromLight[1]);
+        for (int i = 1; i < kInner && n.connect > 0; ++i)
+            sum += connectWeight(n, light[i], eye[i + 1], fromEye[i + 1] * cosNear[i] / d2[i],
+                                 fromLight[i] * cosFar[i] / d2[i], fromEye[i], fromLight[i + 1]);
+        if (n.splat > 0)
+            sum += splatWeight(n, light[kInner], pdfCamera * cosNear[kInner] / d2[kInner], fromEye[kInner]);
+        for (int i = 1; i <= kInner && n.merge > 0; ++i)
+            sum += mergeWeight(n, light[i], eye[i], fromEye[i], fromLight[i]);
+        return sum;
+    }
+};
+
+TEST(Mis, WeightsOfAPathSumToOneForEverySetOfTechniques) {
+    CounterRng rng(1);
+    for (int set = 1; set < 32; ++set)
+        for (int i = 0; i < 20; ++i) {
+            const auto count = [&](int technique) {
+                return set >> technique & 1 ? 0.1 + rng.nextDouble() : 0.0;
+            };
+            const Strategies n{
+                .hit = count(0), .nee = count(1), .connect = count(2), .splat = count(3), .merge = count(4)};
+            ASSERT_NEAR(RandomPath(rng).sumOfWeights(n), 1, 1e-9) << "set " << set;
+        }
 }
 
 TEST(Mis, DeltaScatteringKeepsOnlyWhatCanStillBeJoined) {
@@ -109,9 +159,8 @@ TEST(Mis, ALightThatNextEventCannotReachTakesNoPart) {
     LightEdge e;
     e.delta = true;
     e.kind = EndpointKind::DeltaPosition;
-    e.connect = 0;
-    const MisState s =
-        MisState::arriveFromLight(Strategies::bidirectional(1, 0.1), e, e.emissionOverConnection());
+    e.pdfNee = 0;
+    const MisState s = MisState::arriveFromLight(Strategies::bidirectional(1, 0.1), e);
     EXPECT_EQ(s.dVCM, 0);
     EXPECT_EQ(s.dVC, 0);
     EXPECT_EQ(splatWeight(Strategies::bidirectional(1, 0), s, 1, 1), 1);

@@ -54,7 +54,7 @@ TEST(PhotonDensity, IsRoughlyWhatItIs) {
     for (double subpaths = 0.2; subpaths < 0x1p28; subpaths *= 1.37)
         for (const uint32_t photons : {1u, 3u, 100u}) {
             PhotonDensity d(0.1);
-            d.count(d.locate(p), photons);
+            d.count(d.bucketOf(p), photons);
             d.endIteration(subpaths * photons);
             ASSERT_GT(d.at(p), 0);
             ASSERT_NEAR(d.roughlyAt(p) / d.at(p), 1, 1.0 / 16 + 1e-6) << photons << " of " << subpaths;

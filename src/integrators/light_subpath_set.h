@@ -2,17 +2,17 @@
 /// Two ways to make the set L of light subpaths that pssmlt_merge merges with (supplement, 4.1.1).
 
 #include "integrators/iteration.h"
+#include "integrators/photon_map.h"
 #include "markov/normalization.h"
 #include "markov/replica_mixture.h"
 #include "markov/replica_pool.h"
-#include "transport/photon_map.h"
 
 #include <nlohmann/json_fwd.hpp>
 
 namespace metrolux::core {
 
 /// What light subpaths are traced with in an iteration.
-struct LightTracing {
+struct LightSubpathTracing {
     const Scene& scene;
     const PathLimits& limits;
     const Strategies& strategies;
@@ -38,16 +38,16 @@ struct LightTracing {
 /// and takes the rest between the steps of its chains. An iteration without visible ones needs no states of
 /// earlier iterations: its L is the uniform half, and the chains wait, with weight 0. And there is no
 /// contribution replica, since F is the business of the eye subpaths that merge with L.
-class VisibilityLightSet {
+class VisibilityDrivenSet {
   public:
-    VisibilityLightSet(const IntegratorOptions& options, size_t samples);
+    VisibilityDrivenSet(const IntegratorOptions& options, size_t samples);
 
     /// Decides about the iteration to come; the result is known before anything is traced.
     void begin(size_t samples, double radius);
     /// Samples of L times their density boost q: what merging counts for.
     double effectiveSamples() const { return mix_.samples() * mix_.boost(); }
     /// Vertices of L, whose throughputs carry the weights. `eyeGrid`: over the iteration's eye vertices.
-    std::vector<Vertex> make(const LightTracing& tracing, const VertexGrid& eyeGrid);
+    std::vector<Vertex> make(const LightSubpathTracing& tracing, const VertexGrid& eyeGrid);
 
     /// Between two iterations: states begin anew in each.
     template <class Archive>
@@ -82,10 +82,10 @@ class VisibilityLightSet {
         }
     };
     size_t stepsOf(size_t lane) const;
-    void takeUniform(Lane& lane, size_t steps, const LightTracing& tracing, const VertexGrid& eyeGrid);
+    void takeUniform(Lane& lane, size_t steps, const LightSubpathTracing& tracing, const VertexGrid& eyeGrid);
     void startChains();
-    void runLane(Lane& lane, size_t steps, const LightTracing& tracing, const VertexGrid& eyeGrid);
-    static void evaluate(const LightTracing& tracing, const VertexGrid& eyeGrid, SampleStream& u,
+    void runLane(Lane& lane, size_t steps, const LightSubpathTracing& tracing, const VertexGrid& eyeGrid);
+    static void evaluate(const LightSubpathTracing& tracing, const VertexGrid& eyeGrid, SampleStream& u,
                          Value& value);
 
     CounterRng rng_;
@@ -102,10 +102,10 @@ class VisibilityLightSet {
 /// of both kinds in the cells of a grid, rho = chain-made / uniform, and a vertex in such a cell weighs 1 /
 /// (n_U + n_A rho). That rho is a constant in a cell, the same for all directions and predecessors, and known
 /// with noise makes it biased (docs/lab/integrators.md).
-class StateLightSet {
+class ChainStateSet {
   public:
     /// `cell`: edge of the cells, in scene units.
-    StateLightSet(const IntegratorOptions& options, double cell, size_t lanes);
+    ChainStateSet(const IntegratorOptions& options, double cell, size_t lanes);
 
     /// The state of a lane after a step; the lanes may call at once.
     template <class State>
@@ -118,7 +118,7 @@ class StateLightSet {
     double effectiveSamples(size_t uniform) const { return double(uniform) + double(steps()); }
     /// Vertices of L, whose throughputs carry the weights; the observed states are forgotten. `pass` and
     /// `first` name the uniform samples.
-    std::vector<Vertex> make(const LightTracing& tracing, size_t uniform, uint32_t pass, size_t first);
+    std::vector<Vertex> make(const LightSubpathTracing& tracing, size_t uniform, uint32_t pass, size_t first);
 
     /// Between two iterations.
     template <class Archive>
@@ -138,9 +138,9 @@ class StateLightSet {
         }
     };
     size_t steps() const;
-    std::vector<std::vector<Vertex>> traceStates(const LightTracing& tracing);
-    std::vector<std::vector<Vertex>> traceUniform(const LightTracing& tracing, size_t count, uint32_t pass,
-                                                  size_t first);
+    std::vector<std::vector<Vertex>> traceStates(const LightSubpathTracing& tracing);
+    std::vector<std::vector<Vertex>> traceUniform(const LightSubpathTracing& tracing, size_t count,
+                                                  uint32_t pass, size_t first);
 
     uint64_t seed_;
     std::vector<std::vector<Visited>> visited_;  ///< of each lane

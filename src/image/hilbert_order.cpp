@@ -1,7 +1,6 @@
-#include "transport/light_pass.h"
+#include "image/hilbert_order.h"
 
-#include "transport/light_wave.h"
-
+#include <algorithm>
 #include <bit>
 #include <utility>
 
@@ -29,28 +28,6 @@ uint64_t hilbertDistance(int order, uint32_t x, uint32_t y) {
 }
 
 }  // namespace
-
-Vec2f LightPass::lensCoordinates(SampleStream& stream) {
-    stream.seek(0);
-    stream.skip(kLensCoordinate);
-    return stream.next2D();
-}
-
-namespace {
-/// Keeps its memory from call to call.
-LightWave& waveOfThisThread() {
-    static thread_local LightWave wave;
-    return wave;
-}
-}  // namespace
-
-void LightPass::evaluate(std::span<const LightJob> jobs, Coherence coherence) const {
-    waveOfThisThread().run(*this, jobs, coherence);
-}
-
-void LightPass::trace(const LightJob& job, std::span<const Vertex> partner, float connectionScale) const {
-    waveOfThisThread().run(*this, job, partner, connectionScale);
-}
 
 std::vector<uint32_t> hilbertOrder(int width, int height) {
     const int order =

@@ -1,4 +1,4 @@
-#include "transport/pixel_importance.h"
+#include "integrators/pixel_importance.h"
 
 #include <gtest/gtest.h>
 

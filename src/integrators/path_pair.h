@@ -1,7 +1,6 @@
 #pragma once
-#include "transport/eye_pass.h"
-#include "transport/light_pass.h"
-#include "transport/photon_map.h"
+#include "image/film.h"
+#include "integrators/photon_map.h"
 
 namespace metrolux::core {
 
@@ -20,21 +19,13 @@ struct PathPair {
     Film& film;  ///< window, filter, count of non-finite contributions; nothing is added to it
     const PhotonMap* photons = nullptr;  ///< all() merges the eye subpath with them, if given
 
-    /// Coordinates: three interleaved streams, for the eye subpath, the light subpath and next-event
-    /// estimation. The eye's block 0: raster position (2), lens (2), then the caller's.
-    static constexpr int kStreams = 3;
-    static constexpr int kLightStream = 1;
-    /// First coordinate of the eye's block 0 that neither all() nor the eye subpath uses.
-    static constexpr int kTechniqueCoordinate = 4;
-
     /// All techniques of all path lengths; `splats` is cleared first.
     void all(SampleStream& u, SplatList& splats) const;
-    /// One technique of paths of `length` >= 2 edges, chosen uniformly by coordinate kTechniqueCoordinate
-    /// (whose scale is part of the value); `splats` is cleared first.
+    /// One technique of paths of `length` >= 2 edges, chosen uniformly by layout::kTechnique (the inverse of
+    /// its probability is part of the value); `splats` is cleared first.
     void one(int length, SampleStream& u, SplatList& splats) const;
 
   private:
-    Vec2f rasterOf(SampleStream& eyeStream) const;
     /// Splats outside of Film::reach() change no pixel and may not count for the size either.
     void addSplat(const Vec2f& raster, const Rgb& value, Technique technique, SplatList& splats) const;
 };

@@ -1,7 +1,9 @@
-#include "transport/path_pair.h"
+#include "integrators/path_pair.h"
 
 #include "sampling/streams.h"
 #include "transport/connect.h"
+#include "transport/eye_pass.h"
+#include "transport/light_subpath_pass.h"
 #include "transport/subpath.h"
 
 namespace metrolux::core {
@@ -13,7 +15,7 @@ class VertexAt final : public SubpathVisitor {
   public:
     explicit VertexAt(int depth) : depth_(depth) {}
     const std::optional<Vertex>& vertex() const { return vertex_; }
-    bool canConnect() const { return vertex_ && vertex_->bsdf().hasSmoothLobe(); }
+    bool canConnect() const { return vertex_ && vertex_->hasSmoothLobe(); }
 
     bool surface(const Vertex& v) override {
         if (v.depth < depth_) return true;
@@ -34,7 +36,7 @@ class EmitterAt final : public SubpathVisitor {
 
     bool surface(const Vertex& v) override {
         if (v.depth < depth_) return true;
-        if (v.si.shape->emitter) value_ = hitLight(pair_.scene, pair_.strategies, v);
+        if (v.emitter()) value_ = hitLight(pair_.scene, pair_.strategies, v);
         return false;
     }
     void escaped(const Vec3f& from, const WalkEdge& edge, int depth) override {
@@ -49,21 +51,16 @@ class EmitterAt final : public SubpathVisitor {
     Rgb value_{0.0f};
 };
 
-/// The three streams of PathPair.
+/// The samples of the eye subpath, the light subpath and next-event estimation, which take turns.
 struct Streams {
     InterleavedStream eye, light, nee;
     explicit Streams(SampleStream& u)
-        : eye(u, 0, PathPair::kStreams),
-          light(u, PathPair::kLightStream, PathPair::kStreams),
-          nee(u, 2, PathPair::kStreams) {}
+        : eye(u, layout::kEyeStream, layout::kStreams),
+          light(u, layout::kLightStream, layout::kStreams),
+          nee(u, layout::kNeeStream, layout::kStreams) {}
 };
 
 }  // namespace
-
-Vec2f PathPair::rasterOf(SampleStream& eyeStream) const {
-    eyeStream.seek(0);
-    return film.reach().at(eyeStream.next2D());
-}
 
 void PathPair::addSplat(const Vec2f& raster, const Rgb& value, Technique technique, SplatList& splats) const {
     if (film.rejectNonFinite(value, technique) || isBlack(value) || !film.reach().contains(raster)) return;
@@ -73,12 +70,13 @@ void PathPair::addSplat(const Vec2f& raster, const Rgb& value, Technique techniq
 void PathPair::all(SampleStream& u, SplatList& splats) const {
     splats.clear();
     Streams streams(u);
-    const Vec2f raster = rasterOf(streams.eye);
-    EyePass eyePass{scene, limits, strategies};
-    eyePass.direct = false;
+    const Vec2f raster = film.reach().at(read(streams.eye, layout::kRaster));
+    PathLimits indirect = limits;
+    indirect.minDepth = 2;
+    const EyePass eyePass{scene, indirect, strategies};
     thread_local std::vector<Vertex> eye;  // keeps its memory
     eye.clear();
-    Rgb sum = eyePass.trace(streams.eye, streams.nee, raster, film.reach().area(), 0, film, eye);
+    Rgb sum = eyePass.trace(streams.eye, &streams.nee, raster, film.reach().area(), 0, film, eye);
 
     if (photons)
         for (const Vertex& v : eye) {
@@ -88,9 +86,8 @@ void PathPair::all(SampleStream& u, SplatList& splats) const {
 
     const EyeVertices none;
     const VertexGrid noGrid;
-    LightPass lightPass{scene, limits, strategies, none, noGrid, film};
-    lightPass.merge = false;
-    lightPass.trace({&streams.light, &splats}, eye, 1);
+    const LightSubpathPass lightPass{scene, limits, strategies, none, noGrid, film};
+    lightPass.evaluate({&streams.light, &splats}, {eye, 1});
     // Connections belong to the eye subpath's raster position, as hit and nee do.
     for (const SplatList::PixelSplat& connection : splats.pixels) sum += connection.value;
     splats.pixels.clear();
@@ -102,11 +99,11 @@ void PathPair::all(SampleStream& u, SplatList& splats) const {
 void PathPair::one(int length, SampleStream& u, SplatList& splats) const {
     splats.clear();
     Streams streams(u);
-    Vec2f raster = rasterOf(streams.eye);
-    streams.eye.next2D();
+    Vec2f raster = film.reach().at(read(streams.eye, layout::kRaster));
     // (s, t) with s light vertices and t = length + 1 - s >= 1 eye vertices, the camera among them.
     const int techniques = length + 1;
-    const int s = std::min(static_cast<int>(streams.eye.next1D() * static_cast<float>(techniques)), length);
+    const int s = std::min(
+        static_cast<int>(read(streams.eye, layout::kTechnique) * static_cast<float>(techniques)), length);
     const int t = length + 1 - s;
     const auto add = [&](const Rgb& value, Technique technique) {
         addSplat(raster, value * static_cast<float>(techniques), technique, splats);
@@ -118,8 +115,8 @@ void PathPair::one(int length, SampleStream& u, SplatList& splats) const {
         if (!light.canConnect()) return;
     }
     if (t == 1) {
-        const Vec2f uLens = LightPass::lensCoordinates(streams.light);
-        const Rgb value = connectToCamera(scene, strategies, *light.vertex(), uLens, true, raster);
+        const Vec2f uLens = read(streams.light, layout::kSplatLens);
+        const Rgb value = connectToCamera(scene, strategies, *light.vertex(), uLens, raster);
         return add(value, Technique::Splat);
     }
     const float area = film.reach().area();

@@ -13,7 +13,7 @@ namespace metrolux::core {
 ///
 /// They are sorted by where they are when they have gone the radius of the scene, which holds place and
 /// direction: along a curve of Morton through a grid of about as many cells as subpaths.
-std::vector<uint32_t> coherentLightOrder(const WalkRules& walk, size_t count,
-                                         const std::function<IndependentStream(size_t)>& streamOf);
+std::vector<uint32_t> coherentOrder(const WalkRules& walk, size_t count,
+                                    const std::function<IndependentStream(size_t)>& streamOf);
 
 }  // namespace metrolux::core

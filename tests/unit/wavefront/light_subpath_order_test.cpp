@@ -1,7 +1,6 @@
-#include "integrators/light_order.h"
+#include "wavefront/light_subpath_order.h"
 
 #include "base/warp.h"
-#include "integrators/iteration.h"
 #include "support/small_scenes.h"
 
 #include <gtest/gtest.h>
@@ -29,15 +28,15 @@ std::shared_ptr<Scene> litScene(bool withLights = true) {
     return b.build();
 }
 
-IndependentStream streamOf(size_t i) { return IndependentStream(lightSubpathKey(3, 7, i)); }
+IndependentStream streamOf(size_t i) { return IndependentStream(hashKey(3, 7, i)); }
 
-TEST(LightOrder, HasEachSubpathOnce) {
+TEST(LightSubpathOrder, HasEachSubpathOnce) {
     const Strategies strategies = Strategies::bidirectional(1, 0);
     for (const bool withLights : {true, false}) {
         const std::shared_ptr<Scene> scene = litScene(withLights);
         const WalkRules walk{*scene, scene->parts().limits, strategies, TransportMode::Importance};
         for (const size_t count : {0, 1, 2, 7, 100, 1024, 5000, 40000}) {
-            std::vector<uint32_t> order = coherentLightOrder(walk, count, streamOf);
+            std::vector<uint32_t> order = coherentOrder(walk, count, streamOf);
             ASSERT_EQ(order.size(), count);
             std::sort(order.begin(), order.end());
             for (size_t i = 0; i < count; ++i) ASSERT_EQ(order[i], i);
@@ -46,12 +45,12 @@ TEST(LightOrder, HasEachSubpathOnce) {
 }
 
 /// First edges of successive subpaths pass near each other: origin and direction, over all kinds of lights.
-TEST(LightOrder, SuccessiveSubpathsStartAlike) {
+TEST(LightSubpathOrder, SuccessiveSubpathsStartAlike) {
     const Strategies strategies = Strategies::bidirectional(1, 0);
     const std::shared_ptr<Scene> scene = litScene();
     const WalkRules walk{*scene, scene->parts().limits, strategies, TransportMode::Importance};
     constexpr size_t kCount = 20000;
-    const std::vector<uint32_t> order = coherentLightOrder(walk, kCount, streamOf);
+    const std::vector<uint32_t> order = coherentOrder(walk, kCount, streamOf);
     const auto meanStep = [&](auto&& indexAt) {
         double sum = 0;
         Vec3f last(0.0f);
@@ -68,37 +67,6 @@ TEST(LightOrder, SuccessiveSubpathsStartAlike) {
     const double sorted = meanStep([&](size_t i) { return order[i]; });
     const double unsorted = meanStep([](size_t i) { return i; });
     EXPECT_LT(sorted, 0.15 * unsorted);
-}
-
-/// A pass of light subpaths in that order is the sum of them one by one, and knows the size of each.
-TEST(PlainLightPass, IsTheSumOfItsSubpaths) {
-    const std::shared_ptr<Scene> scene = litScene();
-    const Strategies strategies = Strategies::bidirectional(1, 0);
-    const EyeVertices eyes;
-    const VertexGrid grid;
-    const ReconstructionFilter filter(ReconstructionFilter::Kind::Tent, {});
-    Film together(scene->camera().window(), filter), alone(scene->camera().window(), filter);
-    constexpr size_t kFirst = 11, kCount = 3000;
-    std::vector<double> sizes;
-    const LightPass pass{*scene, scene->parts().limits, strategies, eyes, grid, together};
-    plainLightPass(pass, together, 3, 7, kFirst, kCount, 0.5, &sizes);
-    ASSERT_EQ(sizes.size(), kCount);
-
-    SplatList splats;
-    size_t visible = 0;
-    for (size_t i = 0; i < kCount; ++i) {
-        IndependentStream stream = streamOf(kFirst + i);
-        const LightJob job{&stream, &splats};
-        pass.evaluate({&job, 1}, Coherence::Alone);
-        EXPECT_EQ(sizes[i], splats.empty() ? 0 : pass.size(splats)) << i;
-        if (splats.empty()) continue;
-        ++visible;
-        alone.addSplats(splats, 1.0 / kCount, 0.5 / kCount);
-    }
-    EXPECT_GT(visible, kCount / 20);
-    together.endPass();
-    alone.endPass();
-    EXPECT_EQ(together.image(), alone.image());
 }
 
 }  // namespace

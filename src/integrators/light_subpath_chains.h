@@ -12,9 +12,9 @@ namespace metrolux::core {
 inline constexpr double kVisibleSamples = 256;
 
 /// What the primary sample of a light subpath evaluates to.
-struct LightContribution {
+struct LightSubpathContribution {
     SplatList splats;
-    std::vector<Vec3f> trail;  ///< its smooth vertices, if LightChains::keepTrails
+    std::vector<Vec3f> trail;  ///< its smooth vertices, if LightSubpathChains::keepTrails
     double size = 0;           ///< F(u)
     double squares = 0;        ///< of its splats, relative to the image where that is known
     bool visible() const { return size > 0; }
@@ -31,18 +31,9 @@ nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaC
 
 /// The first passes are made of independent light subpaths, which give the first b_V and b_F; then each
 /// iteration's subpaths come from the replicas.
-class LightChains {
+class LightSubpathChains {
   public:
-    /// One iteration: the pass, the index of its first light subpath, their number, and the part of the pass
-    /// that it stands for.
-    struct Iteration {
-        uint32_t pass = 0;
-        size_t first = 0, count = 0;
-        double filmShare = 1;
-        const PixelImportance* importance = nullptr;  ///< of noise, for the measured split
-    };
-
-    LightChains(const ReplicaSettings& settings, const PathLimits& limits)
+    LightSubpathChains(const ReplicaSettings& settings, const PathLimits& limits)
         : limits_(limits), lanes_(settings), trails_(lanes_.size()) {}
 
     /// Decides about the samples of the iteration to come, before its weights are known.
@@ -51,7 +42,8 @@ class LightChains {
     double effectiveSamples() const { return mix_.samples() * mix_.boost(); }
     /// Traces the light subpaths and adds what they contribute to the film. `photons` (may be null) counts
     /// the vertices of the uniform ones.
-    void run(const LightPass& pass, Film& film, const Iteration& iteration, PhotonDensity* photons);
+    void run(const LightSubpathPass& pass, Film& film, const LightSubpathIteration& iteration,
+             PhotonDensity* photons);
 
     /// Whether the chains have taken over from the plain passes.
     bool ready() const { return ready_; }
@@ -70,11 +62,12 @@ class LightChains {
     std::string progressNote() const;
 
   private:
-    void plainRun(const LightPass& pass, Film& film, const Iteration& iteration, PhotonDensity* photons);
-    void seedChains(const Iteration& iteration, const std::vector<double>& sizes);
+    void plainRun(const LightSubpathPass& pass, Film& film, const LightSubpathIteration& iteration,
+                  PhotonDensity* photons);
+    void seedChains(const LightSubpathIteration& iteration, const std::vector<double>& sizes);
 
     PathLimits limits_;
-    ReplicaLanes<LightContribution> lanes_;
+    ReplicaLanes<LightSubpathContribution> lanes_;
     std::vector<std::vector<Vec3f>> trails_;  ///< of each lane
     ReplicaMixture mix_;
     double squaredRadius_ = 0;

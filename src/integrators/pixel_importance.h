@@ -34,4 +34,9 @@ class PixelImportance {
     std::vector<float> values_;
 };
 
+/// F(u) of a light subpath's splats with a target, which may be null.
+inline double sizeOf(const SplatList& splats, const PixelImportance* target) {
+    return target ? target->size(splats) : splats.size();
+}
+
 }  // namespace metrolux::core

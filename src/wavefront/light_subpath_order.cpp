@@ -1,4 +1,4 @@
-#include "integrators/light_order.h"
+#include "wavefront/light_subpath_order.h"
 
 #include "base/parallel.h"
 
@@ -38,8 +38,8 @@ class MortonCells {
 
 }  // namespace
 
-std::vector<uint32_t> coherentLightOrder(const WalkRules& walk, size_t count,
-                                         const std::function<IndependentStream(size_t)>& streamOf) {
+std::vector<uint32_t> coherentOrder(const WalkRules& walk, size_t count,
+                                    const std::function<IndependentStream(size_t)>& streamOf) {
     const int bits = std::min(static_cast<int>(std::bit_width(count)) / 3, kMostBits);
     const SceneBounds& bounds = walk.scene.bounds();
     const MortonCells cells(bounds, bits);

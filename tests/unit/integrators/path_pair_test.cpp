@@ -1,4 +1,4 @@
-#include "transport/path_pair.h"
+#include "integrators/path_pair.h"
 
 #include "sampling/streams.h"
 #include "support/block_statistics.h"

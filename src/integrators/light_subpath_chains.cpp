@@ -1,6 +1,7 @@
-#include "integrators/light_chains.h"
+#include "integrators/light_subpath_chains.h"
 
 #include "base/error.h"
+#include "wavefront/light_subpath_wavefront.h"
 
 #include <fmt/format.h>
 
@@ -8,32 +9,30 @@ namespace metrolux::core {
 
 namespace {
 
-/// A light pass as the model of ReplicaLanes.
-struct LightModel {
-    const LightPass& pass;
+/// A pass over light subpaths as the model of ReplicaLanes.
+struct LightSubpathModel {
+    const LightSubpathPass& pass;
     Film& film;
-    double filmShare;
+    const LightSubpathIteration& iteration;
     PhotonDensity* photons;
     std::vector<std::vector<Vec3f>>* trails;  ///< of each lane, may be null
-    const PixelImportance* importance;        ///< may be null
 
     void startUniform(PrimarySample&, CounterRng&, size_t, size_t) const {}
-    using Evaluations = std::span<const Evaluation<LightContribution>>;
+    using Evaluations = std::span<const Evaluation<LightSubpathContribution>>;
     void evaluateUniform(Evaluations evaluations) const { evaluate(evaluations, photons, Coherence::None); }
     void evaluate(Evaluations evaluations) const { evaluate(evaluations, nullptr, Coherence::Alone); }
     void evaluate(Evaluations evaluations, PhotonDensity* counted, Coherence coherence) const {
-        std::vector<LightJob> jobs;
+        std::vector<LightSubpathJob> jobs;
         for (const auto& [stream, c] : evaluations)
             jobs.push_back({stream, &c->splats, counted, trails ? &c->trail : nullptr});
-        pass.evaluate(jobs, coherence);
+        evaluateTogether(pass, jobs, coherence);
         for (const auto& [stream, c] : evaluations) {
-            c->size = pass.size(c->splats);
-            c->squares = importance ? importance->squares(c->splats) : c->size * c->size;
-            film.prefetch(c->splats);  // most proposals are paid next, when they are left
+            c->size = sizeOf(c->splats, iteration.target);
+            c->squares = iteration.noise ? iteration.noise->squares(c->splats) : c->size * c->size;
         }
     }
-    void pay(size_t lane, const LightContribution& c, double weight) const {
-        film.addSplats(c.splats, weight, weight * filmShare);
+    void pay(size_t lane, const LightSubpathContribution& c, double weight) const {
+        film.addSplats(c.splats, weight, weight * iteration.filmShare);
         if (trails) (*trails)[lane].insert((*trails)[lane].end(), c.trail.begin(), c.trail.end());
     }
 };
@@ -68,7 +67,7 @@ ReplicaSettings replicaSettings(const IntegratorOptions& options, const std::str
     return s;
 }
 
-void LightChains::begin(size_t samples, double radius) {
+void LightSubpathChains::begin(size_t samples, double radius) {
     squaredRadius_ = radius * radius;
     lanes_.normalization().update(squaredRadius_);
     if (seeded_) {
@@ -79,24 +78,23 @@ void LightChains::begin(size_t samples, double radius) {
     }
 }
 
-void LightChains::run(const LightPass& pass, Film& film, const Iteration& iteration, PhotonDensity* photons) {
+void LightSubpathChains::run(const LightSubpathPass& pass, Film& film, const LightSubpathIteration& iteration,
+                             PhotonDensity* photons) {
     for (std::vector<Vec3f>& t : trails_) t.clear();
     if (!ready_) {
         plainRun(pass, film, iteration, photons);
         return;
     }
-    LightModel model{
-        pass, film, iteration.filmShare, photons, keepTrails ? &trails_ : nullptr, iteration.importance};
+    const LightSubpathModel model{pass, film, iteration, photons, keepTrails ? &trails_ : nullptr};
     lanes_.run(model, mix_, iteration.pass, iteration.first);
     if (photons && mix_.uniform > 0) photons->endIteration(mix_.uniform);
     lanes_.endIteration(squaredRadius_);
 }
 
-void LightChains::plainRun(const LightPass& pass, Film& film, const Iteration& iteration,
-                           PhotonDensity* photons) {
+void LightSubpathChains::plainRun(const LightSubpathPass& pass, Film& film,
+                                  const LightSubpathIteration& iteration, PhotonDensity* photons) {
     std::vector<double> sizes;
-    plainLightPass(pass, film, lanes_.settings().seed, iteration.pass, iteration.first, iteration.count,
-                   iteration.filmShare, &sizes, photons);
+    independentLightSubpaths(pass, film, lanes_.settings().seed, iteration, photons, &sizes);
     if (photons) photons->endIteration(double(iteration.count));
     lanes_.addUniform(sizes);
     lanes_.endIteration(squaredRadius_);
@@ -113,7 +111,8 @@ void LightChains::plainRun(const LightPass& pass, Film& film, const Iteration& i
     ready_ = calibrated;
 }
 
-void LightChains::seedChains(const Iteration& iteration, const std::vector<double>& sizes) {
+void LightSubpathChains::seedChains(const LightSubpathIteration& iteration,
+                                    const std::vector<double>& sizes) {
     std::vector<double> visible(sizes.size());
     for (size_t i = 0; i < sizes.size(); ++i) visible[i] = sizes[i] > 0 ? 1.0 : 0.0;
     const DiscreteDistribution byVisibility(visible), bySize(sizes);
@@ -129,8 +128,7 @@ void LightChains::seedChains(const Iteration& iteration, const std::vector<doubl
             lightSubpathKey(seed, iteration.pass, iteration.first + choice.sample(uChoice)));
         const int depth = limits_.maxDepth < 0 ? 32 : std::min(limits_.maxDepth, 32);
         u.resize(SampleStream::blockOffset(depth + 1));
-        stream.seek(0);
-        for (float& coordinate : u) coordinate = stream.next1D();
+        layout::readAll(stream, u);
     };
     lanes_.seed([&](PrimarySample& visibility, PrimarySample& contribution) {
         regenerate(byVisibility, visibility);
@@ -139,7 +137,7 @@ void LightChains::seedChains(const Iteration& iteration, const std::vector<doubl
     seeded_ = true;
 }
 
-std::vector<Vec3f> LightChains::trails() const {
+std::vector<Vec3f> LightSubpathChains::trails() const {
     std::vector<Vec3f> all;
     for (const std::vector<Vec3f>& t : trails_) all.insert(all.end(), t.begin(), t.end());
     return all;
@@ -174,13 +172,13 @@ nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaC
     return j;
 }
 
-nlohmann::json LightChains::statistics() const {
+nlohmann::json LightSubpathChains::statistics() const {
     nlohmann::json j = replicaStatistics(lanes_.settings(), lanes_.counts(), lanes_.normalization());
     j["split"] = lanes_.split();
     return j;
 }
 
-std::string LightChains::progressNote() const {
+std::string LightSubpathChains::progressNote() const {
     if (!seeded_) return "no visible light subpath yet";
     const ReplicaCounts counts = lanes_.counts();
     std::string note = fmt::format("acceptance V {:.2f}", counts.visibility.rate());

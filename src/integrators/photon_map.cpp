@@ -1,4 +1,4 @@
-#include "transport/photon_map.h"
+#include "integrators/photon_map.h"
 
 #include "transport/connect.h"
 
@@ -27,7 +27,7 @@ class KeepVertices final : public SubpathVisitor {
   public:
     KeepVertices(int maxDepth, std::vector<Vertex>& kept) : maxDepth_(maxDepth), kept_(kept) {}
     bool surface(const Vertex& v) override {
-        if (v.bsdf().hasSmoothLobe()) kept_.push_back(v);
+        if (v.hasSmoothLobe()) kept_.push_back(v);
         return maxDepth_ < 0 || v.depth + 1 < maxDepth_;
     }
 

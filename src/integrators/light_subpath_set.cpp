@@ -1,9 +1,9 @@
-#include "integrators/light_set.h"
+#include "integrators/light_subpath_set.h"
 
 #include "base/parallel.h"
+#include "integrators/path_pair.h"
 #include "markov/replica_schedule.h"
 #include "sampling/streams.h"
-#include "transport/path_pair.h"
 
 #include <nlohmann/json.hpp>
 
@@ -23,7 +23,7 @@ void append(std::vector<Vertex>& to, const std::vector<Vertex>& from, double wei
 
 }  // namespace
 
-VisibilityLightSet::VisibilityLightSet(const IntegratorOptions& options, size_t samples)
+VisibilityDrivenSet::VisibilityDrivenSet(const IntegratorOptions& options, size_t samples)
     : rng_(hashKey(options.seed, StreamPurpose::Seeding, 'L')), inefficiency_(options.chainInefficiency) {
     const auto lanes = static_cast<size_t>(laneCount(options, samples));
     const auto kind = options.kernel.value_or(MutationKernel::Kind::Kelemen);
@@ -31,7 +31,7 @@ VisibilityLightSet::VisibilityLightSet(const IntegratorOptions& options, size_t 
         lanes_.emplace_back(hashKey(options.seed, StreamPurpose::Chain, 'L', i), kind);
 }
 
-void VisibilityLightSet::begin(size_t samples, double radius) {
+void VisibilityDrivenSet::begin(size_t samples, double radius) {
     squaredRadius_ = radius * radius;
     normalization_.update(squaredRadius_);
     chainsRun_ = normalization_.visibleSamples() >= kVisibleSamples;
@@ -42,23 +42,23 @@ void VisibilityLightSet::begin(size_t samples, double radius) {
     mix_.visibility = chainsRun_ ? mix_.uniform : 0;
 }
 
-size_t VisibilityLightSet::stepsOf(size_t lane) const {
+size_t VisibilityDrivenSet::stepsOf(size_t lane) const {
     return stepsOfLane(static_cast<size_t>(mix_.uniform), lanes_.size(), lane);
 }
 
-void VisibilityLightSet::evaluate(const LightTracing& tracing, const VertexGrid& eyeGrid, SampleStream& u,
-                                  Value& value) {
+void VisibilityDrivenSet::evaluate(const LightSubpathTracing& tracing, const VertexGrid& eyeGrid,
+                                   SampleStream& u, Value& value) {
     value.vertices.clear();
     tracing.trace(u, value.vertices);
     value.size = std::any_of(value.vertices.begin(), value.vertices.end(),
                              [&](const Vertex& v) { return eyeGrid.anyWithin(v.si.p); });
 }
 
-void VisibilityLightSet::Lane::pay(State& state) {
+void VisibilityDrivenSet::Lane::pay(State& state) {
     state.payOut([&](const Value& value, double weight) { append(result, value.vertices, weight); });
 }
 
-std::vector<Vertex> VisibilityLightSet::make(const LightTracing& tracing, const VertexGrid& eyeGrid) {
+std::vector<Vertex> VisibilityDrivenSet::make(const LightSubpathTracing& tracing, const VertexGrid& eyeGrid) {
     parallelFor(lanes_.size(), [&](size_t i) { takeUniform(lanes_[i], stepsOf(i), tracing, eyeGrid); });
     if (chainsRun_) startChains();
     parallelFor(lanes_.size(), [&](size_t i) { runLane(lanes_[i], stepsOf(i), tracing, eyeGrid); });
@@ -76,8 +76,8 @@ std::vector<Vertex> VisibilityLightSet::make(const LightTracing& tracing, const 
     return all;
 }
 
-void VisibilityLightSet::takeUniform(Lane& lane, size_t steps, const LightTracing& tracing,
-                                     const VertexGrid& eyeGrid) {
+void VisibilityDrivenSet::takeUniform(Lane& lane, size_t steps, const LightSubpathTracing& tracing,
+                                      const VertexGrid& eyeGrid) {
     const auto evaluateHere = [&](SampleStream& u, Value& v) { evaluate(tracing, eyeGrid, u, v); };
     for (size_t step = 0; step < steps; ++step) {
         State state = lane.uniform.spare();
@@ -93,7 +93,7 @@ void VisibilityLightSet::takeUniform(Lane& lane, size_t steps, const LightTracin
 }
 
 /// Chains start from visible uniform samples of this iteration, with start-up weights (ReplicaMixture).
-void VisibilityLightSet::startChains() {
+void VisibilityDrivenSet::startChains() {
     ReplicaPool<Value> pool;
     for (const Lane& lane : lanes_) pool.add(lane.uniform);
     mix_.visibilityScale = pool.visible() / (mix_.uniform * mix_.bVisibility);
@@ -106,8 +106,8 @@ void VisibilityLightSet::startChains() {
     for (size_t i = 0; i < lanes_.size(); ++i) lanes_[i].chain.state() = *starts[i];
 }
 
-void VisibilityLightSet::runLane(Lane& lane, size_t steps, const LightTracing& tracing,
-                                 const VertexGrid& eyeGrid) {
+void VisibilityDrivenSet::runLane(Lane& lane, size_t steps, const LightSubpathTracing& tracing,
+                                  const VertexGrid& eyeGrid) {
     const auto evaluateHere = [&](SampleStream& u, Value& v) { evaluate(tracing, eyeGrid, u, v); };
     constexpr double kVisible = 1;
     State& state = lane.chain.state();
@@ -130,7 +130,7 @@ void VisibilityLightSet::runLane(Lane& lane, size_t steps, const LightTracing& t
     lane.pay(state);
 }
 
-nlohmann::json VisibilityLightSet::statistics() const {
+nlohmann::json VisibilityDrivenSet::statistics() const {
     uint64_t tried = 0, accepted = 0;
     for (const Lane& lane : lanes_) {
         tried += lane.chain.kernel().tried();
@@ -142,24 +142,24 @@ nlohmann::json VisibilityLightSet::statistics() const {
             {"acceptance", tried ? double(accepted) / double(tried) : 0.0}};
 }
 
-StateLightSet::StateLightSet(const IntegratorOptions& options, double cell, size_t lanes)
+ChainStateSet::ChainStateSet(const IntegratorOptions& options, double cell, size_t lanes)
     : seed_(options.seed), visited_(lanes), chainMade_(cell), uniform_(cell) {}
 
-size_t StateLightSet::steps() const {
+size_t ChainStateSet::steps() const {
     size_t sum = 0;
     for (const auto& lane : visited_)
         for (const Visited& v : lane) sum += v.steps;
     return sum;
 }
 
-std::vector<std::vector<Vertex>> StateLightSet::traceStates(const LightTracing& tracing) {
+std::vector<std::vector<Vertex>> ChainStateSet::traceStates(const LightSubpathTracing& tracing) {
     std::vector<std::vector<Vertex>> result(visited_.size());
     parallelFor(visited_.size(), [&](size_t i) {
         CounterRng rng(hashKey(seed_, StreamPurpose::Replacement, i));
         std::vector<Vertex> vertices;
         for (Visited& visited : visited_[i]) {
             PrimarySampleStream u(visited.u, rng);
-            InterleavedStream light(u, PathPair::kLightStream, PathPair::kStreams);
+            InterleavedStream light(u, layout::kLightStream, layout::kStreams);
             vertices.clear();
             tracing.trace(light, vertices);
             for (const Vertex& v : vertices) chainMade_.count(v.si.p, visited.steps);
@@ -169,7 +169,7 @@ std::vector<std::vector<Vertex>> StateLightSet::traceStates(const LightTracing& 
     return result;
 }
 
-std::vector<std::vector<Vertex>> StateLightSet::traceUniform(const LightTracing& tracing, size_t count,
+std::vector<std::vector<Vertex>> ChainStateSet::traceUniform(const LightSubpathTracing& tracing, size_t count,
                                                              uint32_t pass, size_t first) {
     constexpr size_t kChunk = 256;
     std::vector<std::vector<Vertex>> result((count + kChunk - 1) / kChunk);
@@ -184,7 +184,7 @@ std::vector<std::vector<Vertex>> StateLightSet::traceUniform(const LightTracing&
     return result;
 }
 
-std::vector<Vertex> StateLightSet::make(const LightTracing& tracing, size_t uniform, uint32_t pass,
+std::vector<Vertex> ChainStateSet::make(const LightSubpathTracing& tracing, size_t uniform, uint32_t pass,
                                         size_t first) {
     const double nU = double(uniform), nA = double(steps());
     const auto fromStates = traceStates(tracing);

@@ -1,0 +1,70 @@
+#pragma once
+#include "image/film.h"
+#include "sampling/sample_stream.h"
+#include "transport/eye_pass.h"
+#include "transport/vertex_grid.h"
+
+#include <atomic>
+#include <span>
+#include <vector>
+
+namespace metrolux::core {
+
+/// How often a pass over light subpaths has done what, for measurements.
+struct TechniqueWork {
+    std::atomic<uint64_t> splats{0}, connections{0};  ///< tried
+    std::atomic<uint64_t> merges{0};                  ///< vertices within the radius
+};
+
+/// A light subpath to evaluate, and where what it finds goes.
+struct LightSubpathJob {
+    SampleStream* stream = nullptr;
+    SplatList* splats = nullptr;          ///< cleared first
+    PhotonDensity* counted = nullptr;     ///< where the subpath's vertices are counted, if given
+    std::vector<Vec3f>* trail = nullptr;  ///< receives their positions (cleared first), if given
+};
+
+/// evaluate(u) -> splats of docs/explain/algorithm.md, section 2: everything that one light subpath
+/// contributes in an iteration, by those of splat, connect and merge that the strategies have. A pure
+/// function of the stream, given the iteration's eye vertices. This is the definition, one subpath at a time;
+/// wavefront/light_subpath_wavefront.h gives the same bits faster.
+struct LightSubpathPass {
+    const Scene& scene;
+    const PathLimits& limits;
+    const Strategies& strategies;
+    const EyeVertices& eyes;
+    const VertexGrid& grid;         ///< over them; empty: nothing to merge with
+    Film& film;                     ///< counts non-finite contributions, nothing else
+    TechniqueWork* work = nullptr;  ///< counts, if given; in wavefronts only
+
+    /// Scales: a pixel splat is the estimate of its pixel from one light subpath; divide by the number of
+    /// light subpaths to average.
+    void evaluate(const LightSubpathJob& job) const;
+
+    /// The vertices of an eye subpath to connect with, and one over the probability of that choice.
+    struct Partner {
+        std::span<const Vertex> vertices;
+        float scale = 1;
+    };
+    /// The same with the eye subpath given.
+    void evaluate(const LightSubpathJob& job, const Partner& partner) const;
+
+    // What evaluate() is made of, for those who trace many subpaths together.
+
+    /// One eye subpath of all, for the share of the light subpaths that is connected: its pixel's share
+    /// stands for all.
+    Partner choosePartner(SampleStream& stream) const;
+    WalkRules rules() const { return {scene, limits, strategies, TransportMode::Importance}; }
+    bool merges() const { return strategies.merge > 0 && !grid.empty(); }
+    /// Whether a path with that many more edges is not too long: the way to the camera has one at least.
+    bool extensible(const Vertex& v, int edges = 1) const {
+        return limits.maxDepth < 0 || v.depth + edges <= limits.maxDepth;
+    }
+    /// Adds a finite contribution to a pixel.
+    void addPixel(uint32_t pixel, const Rgb& value, Technique technique, SplatList& splats) const {
+        if (!film.rejectNonFinite(value, technique) && !isBlack(value))
+            splats.pixels.push_back({pixel, value});
+    }
+};
+
+}  // namespace metrolux::core

@@ -1,4 +1,5 @@
 #include "integrators/iteration.h"
+#include "sampling/streams.h"
 #include "support/glass_scene.h"
 
 #include <gtest/gtest.h>

@@ -54,6 +54,7 @@ TEST(Mis, EmissionOverNeeOfEachKindOfEndpoint) {
 
 TEST(Mis, MoreSamplesOfATechniqueGiveItMoreWeight) {
     MisState light{0.3, 0.2, 0.1}, eye{0.4, 0.5, 0.6};
+    light.first = eye.first = false;
     const double few = mergeWeight(Strategies::bidirectional(1, 0.01), light, eye, 0.3, 0.3);
     const double many = mergeWeight(Strategies::bidirectional(1, 1), light, eye, 0.3, 0.3);
     EXPECT_LT(few, many);

@@ -1,6 +1,7 @@
 #include "command.h"
 #include "paths.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
@@ -43,11 +44,11 @@ TEST_F(CliTest, WithoutACommandItShowsHelpAndFails) {
 }
 
 TEST_F(CliTest, IntegratorsAreListed) {
-    Outcome outcome = run({"integrators"});
+    const Outcome outcome = run({"integrators"});
     EXPECT_EQ(outcome.status, 0);
-    outcome.out.insert(0, "\n");
+    const std::string lines = fmt::format("\n{}", outcome.out);
     for (const std::string& name : integratorNames())
-        EXPECT_THAT(outcome.out, HasSubstr("\n" + name + " ")) << "each begins a line";
+        EXPECT_THAT(lines, HasSubstr(fmt::format("\n{} ", name))) << "each begins a line";
     EXPECT_THAT(run({"integrators", "pssmlt"}).out, AllOf(HasSubstr("--large-step X"), HasSubstr("p_large")));
     EXPECT_THAT(run({"integrators", "psmlt"}).err, HasSubstr("did you mean 'pssmlt'?"));
 }

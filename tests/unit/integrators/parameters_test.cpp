@@ -80,10 +80,10 @@ std::shared_ptr<Scene> room() {
     return b.build();
 }
 
-class EachIntegrator : public testing::TestWithParam<std::string> {};
+class EachDescription : public testing::TestWithParam<std::string> {};
 
 /// Each parameter that an integrator has changes what it renders; none but those can be given.
-TEST_P(EachIntegrator, ParametersChangeTheImage) {
+TEST_P(EachDescription, ParametersChangeTheImage) {
     const std::shared_ptr<Scene> scene = room();
     const auto image = [&](const ParameterValues& values) {
         Film film = makeFilm(*scene);
@@ -113,7 +113,7 @@ TEST_P(EachIntegrator, ParametersChangeTheImage) {
                 EXPECT_THROW(image({{info.name, info.defaultValue}}), Error) << info.name;
             }
 }
-INSTANTIATE_TEST_SUITE_P(All, EachIntegrator, testing::ValuesIn(names()),
+INSTANTIATE_TEST_SUITE_P(All, EachDescription, testing::ValuesIn(names()),
                          [](const auto& i) { return i.param; });
 
 SceneParts partsWith(const std::string& type, std::vector<std::pair<std::string, ParameterValue>> settings,

@@ -31,7 +31,7 @@ std::shared_ptr<Scene> smallScene() {
     return builder.build();
 }
 
-Entrant entrant(const std::string& integrator) { return {integrator, integrator, {}, {}, {}}; }
+Entrant entrant(const std::string& integrator) { return {integrator, integrator, {}, {}, {}, {}}; }
 
 class SmallStudy : public testing::Test {
   protected:

@@ -38,6 +38,13 @@ setup-browser:
 	@command -v chromium >/dev/null || $(call install,chromium) || \
 	  echo "without chromium: the test of the page of metrolux study is skipped"
 
+PREFIX := /usr/local
+install: setup  ## the command, libmetrolux.so, its headers and CMake package, below PREFIX=/usr/local
+	cmake --preset release
+	cmake --build --preset release --target metrolux_command metrolux_library
+	$(SUDO) cmake --install $(BUILD) --prefix $(PREFIX)
+	$(SUDO) ldconfig
+
 viewer: setup setup-page  ## bundles the page of metrolux study again, for example when npm's registry was not there before
 	cmake --preset release
 	rm -f $(BUILD)/web/page_template.cpp

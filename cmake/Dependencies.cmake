@@ -1,4 +1,4 @@
-# All of them are Debian packages: see packages.txt. Shared with the installed package configuration.
+# All of them are Debian packages: see packages.txt.
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
 find_package(embree 3 REQUIRED)

@@ -1,17 +1,21 @@
-include(GNUInstallDirs)
+# The command, the shared library with its headers, and what leads other projects to it (CMake, pkg-config).
 include(CMakePackageConfigHelpers)
 
-get_property(modules GLOBAL PROPERTY METROLUX_MODULES)
-install(TARGETS metrolux metrolux_options ${modules} EXPORT MetroluxTargets
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS metrolux_library EXPORT MetroluxTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 if(TARGET metrolux_command)
   install(TARGETS metrolux_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
-install(DIRECTORY src/ DESTINATION include/metrolux FILES_MATCHING PATTERN "*.h")
-install(EXPORT MetroluxTargets NAMESPACE Metrolux:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Metrolux)
+install(DIRECTORY include/metrolux DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Metrolux)
+install(EXPORT MetroluxTargets NAMESPACE Metrolux:: DESTINATION ${package_dir})
 configure_package_config_file(cmake/MetroluxConfig.cmake.in ${PROJECT_BINARY_DIR}/MetroluxConfig.cmake
-  INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Metrolux)
+  INSTALL_DESTINATION ${package_dir})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/MetroluxConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/MetroluxConfig.cmake ${PROJECT_BINARY_DIR}/MetroluxConfigVersion.cmake
-  ${PROJECT_SOURCE_DIR}/cmake/Dependencies.cmake
-  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/Metrolux)
+  DESTINATION ${package_dir})
+
+# The tree may be moved: the file says where its prefix is from where it is itself.
+file(RELATIVE_PATH METROLUX_PREFIX_FROM_PC /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /prefix)
+configure_file(cmake/metrolux.pc.in ${PROJECT_BINARY_DIR}/metrolux.pc @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/metrolux.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

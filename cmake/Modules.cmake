@@ -37,11 +37,12 @@ function(metrolux_module name)
     set(sources ${PROJECT_SOURCE_DIR}/cmake/empty.cpp)
   endif()
   add_library(metrolux_${name} STATIC ${sources} ${ARG_GENERATED})
-  target_include_directories(metrolux_${name} PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>
-                                                     $<INSTALL_INTERFACE:include/metrolux>)
+  target_include_directories(metrolux_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include)
+  # They are parts of the shared library, which exports what include/metrolux declares.
+  set_target_properties(metrolux_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
+    VISIBILITY_INLINES_HIDDEN ON)
   target_link_libraries(metrolux_${name} PUBLIC metrolux_options ${ARG_LIBRARIES})
   foreach(module ${ARG_DEPENDS})
     target_link_libraries(metrolux_${name} PUBLIC metrolux_${module})
   endforeach()
-  set_property(GLOBAL APPEND PROPERTY METROLUX_MODULES metrolux_${name})
 endfunction()

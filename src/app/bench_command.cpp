@@ -30,7 +30,7 @@ int bench(BenchArguments& a) {
     RenderArguments& r = a.render;
     prepareAlgorithm(r);
     if (!a.json.empty()) checkWritable(a.json);
-    a.speed.threads = ThreadLimit(r.threads).threads();
+    a.speed.threads = ThreadLimit(r.session.threads).threads();
     const double start = steadySeconds();
     SceneParts parts = loadSceneParts(r.scene, r);
     for (const std::string& warning : parts.warnings) spdlog::warn("{}", warning);
@@ -39,7 +39,7 @@ int bench(BenchArguments& a) {
     const double build = steadySeconds() - start - read;
 
     a.speed.choice = completeAlgorithm(r, scene);
-    a.speed.options = r.session.common;
+    a.speed.options = commonOptions(r, scene.parts().limits);
 
     nlohmann::json j{{"format", "metrolux-bench"},
                      {"scene", r.scene},

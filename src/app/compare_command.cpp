@@ -5,6 +5,8 @@
 #include "image/compare.h"
 #include "render/output.h"
 
+#include <metrolux/version.h>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <spdlog/spdlog.h>
@@ -72,7 +74,7 @@ int compare(const CompareArguments& a) {
         printTable(difference);
     if (a.heatMap.empty()) return kDone;
     const std::string map = encodePngRaw(errorHeatMap(image, reference, a.epsilon),
-                                         {{"Software", std::string("Metrolux ") + METROLUX_VERSION}});
+                                         {{"Software", std::string("Metrolux ") + metrolux::version()}});
     try {
         writeFile(a.heatMap, map);
     } catch (const Error& error) {

@@ -2,6 +2,8 @@
 #include "base/error.h"
 #include "base/suggest.h"
 
+#include <metrolux/version.h>
+
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
@@ -61,7 +63,7 @@ std::string hintFor(const CLI::ParseError& error, const CLI::App& root, const CL
 int runCommandLine(int argc, char** argv) {
     CLI::App root(kDescription, "metrolux");
     root.footer(kExamples);
-    root.set_version_flag("--version", std::string("metrolux ") + METROLUX_VERSION,
+    root.set_version_flag("--version", std::string("metrolux ") + metrolux::version(),
                           "Show the version and exit");
     root.require_subcommand(0, 1);
     std::vector<Command> commands;

@@ -1,8 +1,8 @@
 #include "app/commands.h"
 #include "app/render_options.h"
 #include "base/error.h"
-#include "image/atomic_file.h"
-#include "render/merge.h"
+
+#include <metrolux/log.h>
 
 #include <spdlog/spdlog.h>
 
@@ -23,59 +23,17 @@ struct MergeArguments {
     RenderArguments render;  ///< outputs
 };
 
-RenderedFrame frameOf(const PartMerger& merger, const std::vector<Aov>& aovs) {
-    RenderedFrame frame;
-    const Film& film = merger.film();
-    const nlohmann::json& identity = merger.identity();
-    frame.image = {film.width(), film.height(), 3, film.image()};
-    for (Aov aov : aovs) {
-        if (aov != Aov::Variance)
-            throw Error(
-                "--aov: of the layers only variance is in the parts; render the others with the scene");
-        frame.layers.push_back(varianceLayer(film));
-    }
-    frame.metadata = {{"Software", std::string("Metrolux ") + METROLUX_VERSION},
-                      {"metrolux:scene", identity["scene"]["name"].get<std::string>()},
-                      {"metrolux:integrator", identity["algorithm"]["integrator"].get<std::string>()},
-                      {"metrolux:passes", static_cast<int>(film.passes())},
-                      {"metrolux:seconds", merger.seconds()},
-                      {"metrolux:seed", identity["algorithm"]["seed"].dump()}};
-    return frame;
-}
-
-nlohmann::json statisticsOf(const PartMerger& merger, const std::vector<std::string>& parts) {
-    nlohmann::json streams = nlohmann::json::object();
-    for (const auto& [stream, passes] : merger.passes()) streams[std::to_string(stream)] = passes;
-    return {{"version", METROLUX_VERSION},
-            {"parts", parts},
-            {"rendering", merger.identity()},
-            {"passes", merger.film().passes()},
-            {"seconds", merger.seconds()},
-            {"passes_of_streams", streams},
-            {"missing_streams", merger.missing()},
-            {"rays", {{"intersect", merger.rays().intersectRays}, {"shadow", merger.rays().shadowRays}}},
-            {"non_finite", nonFiniteCounts(merger.film())}};
-}
-
 int merge(MergeArguments& a) {
     RenderArguments& options = a.render;
     if (options.quiet) spdlog::set_level(spdlog::level::warn);
     if (options.outputs.empty()) throw Error("there is no image to write: name it with -o FILE");
     prepareOutputs(options);
-    PartMerger merger;
-    for (const std::string& part : a.parts) merger.add(part, readCheckpoint(part, METROLUX_VERSION));
-    if (const std::vector<uint32_t> missing = merger.missing(); !missing.empty())
-        spdlog::warn("{} of {} streams are missing: {}", missing.size(),
-                     merger.identity()["streams"].get<uint32_t>(), fmt::join(missing, ", "));
     checkDistinct(namedOutputs(options), std::vector<std::filesystem::path>(a.parts.begin(), a.parts.end()));
-    const OutputSet outputs(options.session.outputs, options.session.display, options.session.overwrite);
-    SessionResult result;
-    result.reason = StopReason::Passes;
-    result.passes = merger.film().passes();
-    result.statistics = statisticsOf(merger, a.parts);
-    result.written = outputs.writeOrRescue(frameOf(merger, options.session.aovs));
-    reportNonFinite(result.statistics["non_finite"]);
-    return conclude(result, options);
+    metrolux::setLog([](metrolux::LogLevel, const std::string& message) { spdlog::warn("{}", message); });
+    const metrolux::Merged merged =
+        metrolux::merge({a.parts.begin(), a.parts.end()}, options.files, options.session.layers);
+    reportNonFinite(merged.statistics);
+    return conclude(merged.outcome, merged.statistics, options);
 }
 
 }  // namespace

@@ -9,8 +9,6 @@
 namespace metrolux::core::app {
 namespace {
 
-constexpr int kLargestSide = 65536;
-
 /// Reads a number at the beginning of `rest` and removes it; false if there is none.
 template <class Number>
 bool takeNumber(std::string_view& rest, Number& value) {
@@ -86,27 +84,23 @@ size_t parseMemory(const std::string& text) {
     return static_cast<size_t>(number * unit);
 }
 
-Size parseResolution(const std::string& text) {
+Resolution parseResolution(const std::string& text) {
     std::string_view rest = text;
-    Size size;
+    Resolution size;
     if (!takeNumber(rest, size.width) || !takeSeparator(rest, 'x') || !takeNumber(rest, size.height) ||
         !rest.empty())
         throw Error("'{}' is not a resolution, expected WIDTHxHEIGHT, for example 1280x720", text);
-    if (size.width < 1 || size.height < 1 || size.width > kLargestSide || size.height > kLargestSide)
-        throw Error("resolution {}: both sides must be from 1 to {} pixels", text, kLargestSide);
     return size;
 }
 
-Rectangle parseCrop(const std::string& text) {
+Crop parseCrop(const std::string& text) {
     std::string_view rest = text;
-    Rectangle r;
+    Crop r;
     if (!takeNumber(rest, r.x) || !takeSeparator(rest, ',') || !takeNumber(rest, r.y) ||
         !takeSeparator(rest, ',') || !takeNumber(rest, r.width) || !takeSeparator(rest, ',') ||
         !takeNumber(rest, r.height) || !rest.empty())
         throw Error("'{}' is not a crop, expected x,y,width,height in pixels, for example 100,50,320,240",
                     text);
-    if (r.x < 0 || r.y < 0 || r.width < 1 || r.height < 1)
-        throw Error("crop {}: x and y must not be negative, width and height not less than 1", text);
     return r;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 /// Reads the values of command-line options. All functions throw Error that says what was expected.
 
+#include <metrolux/scene.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -18,17 +20,10 @@ double parseRelativeError(const std::string& text);
 /// "4G", "512M", "1000000": bytes, powers of 1024.
 size_t parseMemory(const std::string& text);
 
-struct Size {
-    int width = 0, height = 0;
-};
 /// "1280x720".
-Size parseResolution(const std::string& text);
-
-struct Rectangle {
-    int x = 0, y = 0, width = 0, height = 0;
-};
+Resolution parseResolution(const std::string& text);
 /// "x,y,width,height".
-Rectangle parseCrop(const std::string& text);
+Crop parseCrop(const std::string& text);
 
 /// The words of the command that this process runs, the program's name first.
 std::vector<std::string> commandWords();

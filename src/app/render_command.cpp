@@ -3,9 +3,9 @@
 #include "app/render_options.h"
 #include "base/error.h"
 #include "image/atomic_file.h"
-#include "io/scene_loader.h"
-#include "render/session.h"
-#include "render/threads.h"
+#include "render/progress.h"
+
+#include <metrolux/log.h>
 
 #include <spdlog/spdlog.h>
 
@@ -30,84 +30,124 @@ The same scene, options and number of passes give the same image on any number o
 
 }  // namespace
 
-void reportNonFinite(const nlohmann::json& counts) {
-    for (const auto& [technique, count] : counts.items())
+void reportNonFinite(const std::string& statistics) {
+    for (const auto& [technique, count] : nlohmann::json::parse(statistics)["non_finite"].items())
         if (count.get<uint64_t>() > 0)
             spdlog::warn("{} contributions of the technique '{}' were not finite and were left out",
                          count.get<uint64_t>(), technique);
 }
 
-int conclude(const SessionResult& result, const RenderArguments& a) {
-    bool lost = !result.written.failures.empty();
-    for (const std::string& failure : result.written.failures) spdlog::error("{}", failure);
-    for (const fs::path& file : result.written.rescued)
-        spdlog::error("the image is in {} instead", file.string());
+int conclude(const metrolux::Outcome& outcome, const std::string& statistics, const RenderArguments& a) {
+    bool lost = !outcome.failures.empty();
+    for (const std::string& failure : outcome.failures) spdlog::error("{}", failure);
+    for (const fs::path& file : outcome.rescued) spdlog::error("the image is in {} instead", file.string());
     if (!a.stats.empty()) {
         try {
-            writeFile(a.stats, result.statistics.dump(2) + "\n");
+            writeFile(a.stats, statistics + "\n");
         } catch (const Error& error) {
             spdlog::error("{}", error.what());
             lost = true;
         }
     }
-    if (!result.checkpointFailure.empty()) {
-        spdlog::error("the last checkpoint was not written: {}", result.checkpointFailure);
+    if (!outcome.checkpointFailure.empty()) {
+        spdlog::error("the last checkpoint was not written: {}", outcome.checkpointFailure);
         lost = true;
     }
     if (lost) return kOutputLost;
-    if (result.passes == 0) {
+    if (outcome.passes == 0) {
         spdlog::warn("interrupted before the first pass: nothing was written");
         return kInterrupted;
     }
     for (const std::string& file : a.outputs) spdlog::info("wrote {}", file);
-    if (result.reason != StopReason::Interrupted) return kDone;
-    const fs::path& checkpoint = a.session.checkpoint.file;
+    if (outcome.reason != metrolux::StopReason::Interrupted) return kDone;
+    const fs::path& checkpoint = a.files.checkpoint;
     if (checkpoint.empty())
         spdlog::info("interrupted after {} passes; with --checkpoint FILE `metrolux resume FILE` could go on",
-                     result.passes);
+                     outcome.passes);
     else
-        spdlog::info("interrupted after {} passes; `metrolux resume {}` goes on", result.passes,
+        spdlog::info("interrupted after {} passes; `metrolux resume {}` goes on", outcome.passes,
                      checkpoint.string());
     return kInterrupted;
 }
 
 namespace {
 
-/// The scene's part of a rendering's identity.
-nlohmann::json sceneIdentity(const RenderArguments& a, const std::vector<fs::path>& files) {
-    nlohmann::json identity = {{"files", fingerprints(files)},
-                               {"name", fs::path(a.scene).filename().string()},
-                               {"define", a.defines},
-                               {"filter", a.filter},
-                               {"lenient", a.lenient}};
-    if (!a.sensor.empty()) identity["sensor"] = a.sensor;
-    return identity;
+/// While it lives, what the library has to say is shown below the line of progress.
+class Terminal {
+  public:
+    explicit Terminal(bool quiet) : progress_(ProgressReporter::modeFor(stderr, quiet)) {
+        metrolux::setLog([this](metrolux::LogLevel level, const std::string& message) {
+            progress_.finish();
+            spdlog::log(level == metrolux::LogLevel::Warning ? spdlog::level::warn : spdlog::level::info,
+                        "{}", message);
+        });
+    }
+    ~Terminal() { metrolux::setLog({}); }
+    Terminal(const Terminal&) = delete;
+    Terminal& operator=(const Terminal&) = delete;
+
+    void show(const metrolux::Progress& p) {
+        progress_.update({p.passes, p.seconds, p.relativeError, p.secondsRemaining}, p.raysPerSecond, p.note);
+    }
+    void finish() { progress_.finish(); }
+
+  private:
+    ProgressReporter progress_;
+};
+
+void announce(const RenderArguments& a, const metrolux::Scene& scene, const std::string& integrator,
+              int threads) {
+    const metrolux::Crop window = scene.window();
+    spdlog::info("{}: {}x{} pixels, integrator {}, {} threads", a.scene, window.width, window.height,
+                 integrator, threads);
 }
 
-int renderOn(Team* team, RenderArguments& a, std::optional<Checkpoint> before) {
-    if (a.quiet) spdlog::set_level(a.session.rank > 0 ? spdlog::level::err : spdlog::level::warn);
+/// The scene, and what of the options depends on it.
+metrolux::Scene prepared(RenderArguments& a) {
     prepareRender(a);
     catchInterrupts();
-    ThreadLimit limit(a.threads);
-    return limit.execute([&] {
-        std::vector<fs::path> files;
-        SceneParts parts = loadSceneParts(a.scene, a, &files);
-        if (a.session.rank == 0) checkDistinct(namedOutputs(a), files);
-        for (const std::string& warning : parts.warnings) spdlog::warn("{}", warning);
-        const Scene scene(std::move(parts));
-        if (!a.session.checkpoint.file.empty() || team) a.session.checkpoint.scene = sceneIdentity(a, files);
-        const std::string integrator = completeAlgorithm(a, scene).name();
-        RenderSession session(scene, a.session);
+    metrolux::Scene scene = metrolux::Scene::load(a.scene, loadOptions(a));
+    if (a.rank == 0) checkDistinct(namedOutputs(a), Internals::of(scene).files);
+    completeAlgorithm(a, *Internals::of(scene).scene);
+    return scene;
+}
+
+int renderAlone(RenderArguments& a, std::optional<Checkpoint> before) {
+    if (a.quiet) spdlog::set_level(spdlog::level::warn);
+    Terminal terminal(a.quiet);
+    const metrolux::Scene scene = prepared(a);
+    metrolux::Session session(scene, a.session);
+    if (before) Internals::restore(session, *std::move(before));
+    announce(a, scene, session.integrator(), session.threads());
+    const metrolux::Hooks hooks{[&](const metrolux::Progress& p) { terminal.show(p); }, interruptRequested};
+    const metrolux::Outcome outcome = session.render(a.limits, hooks, a.files);
+    terminal.finish();
+    const std::string statistics = session.statistics();
+    reportNonFinite(statistics);
+    return conclude(outcome, statistics, a);
+}
+
+/// One of the processes of a team.
+int renderTogether(Team& team, RenderArguments& a, std::optional<Checkpoint> before) {
+    if (a.quiet) spdlog::set_level(a.rank > 0 ? spdlog::level::err : spdlog::level::warn);
+    Terminal terminal(a.quiet);
+    const metrolux::Scene scene = prepared(a);
+    Workers workers(a.session.threads);
+    return workers.execute([&] {
+        SessionOptions options = api::coreOptions(scene, a.session);
+        options.rank = a.rank;
+        RenderSession session(Internals::of(scene).scene, options);
         if (before) session.restore(*std::move(before));
-        const FilmWindow& window = scene.camera().window();
-        spdlog::info("{}: {}x{} pixels, integrator {}, {} threads", a.scene, window.width, window.height,
-                     integrator, limit.threads());
-        ProgressReporter progress(ProgressReporter::modeFor(stderr, a.quiet));
-        const SessionResult result = team ? session.runTogether(*team, progress, interruptRequested)
-                                          : session.run(progress, interruptRequested);
-        if (a.session.rank > 0) return int{kDone};  // rank 0 reports
-        reportNonFinite(result.statistics["non_finite"]);
-        return conclude(result, a);
+        announce(a, scene, session.options().integrator, workers.threads());
+        const metrolux::Hooks hooks{[&](const metrolux::Progress& p) { terminal.show(p); },
+                                    interruptRequested};
+        const SessionResult result =
+            session.runTogether(team, api::runOptions(a.limits, a.files), api::runHooks(hooks));
+        terminal.finish();
+        if (a.rank > 0) return int{kDone};  // rank 0 reports
+        const std::string statistics = result.statistics.dump(2);
+        reportNonFinite(statistics);
+        return conclude(api::outcomeOf(result), statistics, a);
     });
 }
 
@@ -115,16 +155,16 @@ int renderOn(Team* team, RenderArguments& a, std::optional<Checkpoint> before) {
 
 int render(RenderArguments& a, std::optional<Checkpoint> before) {
     const std::unique_ptr<Team> team = makeTeam();
-    if (!team) return renderOn(nullptr, a, std::move(before));
+    if (!team) return renderAlone(a, std::move(before));
     // An error of one process ends all: the others would wait for it.
     try {
         if (a.streams == 0 || !a.onlyStreams.empty())
             throw Error(
                 "{} processes share the streams of a rendering: give --streams S, without --only-streams",
                 team->size());
-        a.session.rank = team->rank();
+        a.rank = team->rank();
         if (team->rank() > 0) a.quiet = true;
-        return renderOn(team.get(), a, std::move(before));
+        return renderTogether(*team, a, std::move(before));
     } catch (const std::exception& problem) {
         fmt::print(stderr, "metrolux: rank {}: {}\n", team->rank(), problem.what());
         const int status = dynamic_cast<const Error*>(&problem) ? kUserError : kInternalError;
@@ -150,7 +190,7 @@ Run addRenderCommand(CLI::App& parent) {
     auto arguments = std::make_shared<RenderArguments>();
     addRenderOptions(*app, *arguments);
     return [arguments] {
-        warnOfReplaced(arguments->session.checkpoint.file);
+        warnOfReplaced(arguments->files.checkpoint);
         return render(*arguments, std::nullopt);
     };
 }

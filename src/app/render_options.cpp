@@ -18,33 +18,35 @@ void addOutputOptions(CLI::App& app, RenderArguments& a) {
         ->option_text("FILE")
         ->allow_extra_args(false)
         ->group(group);
-    app.add_option("--exposure", a.session.display.exposure, "Exposure of PNG files in stops (default: 0)")
+    app.add_option("--exposure", a.files.display.exposure, "Exposure of PNG files in stops (default: 0)")
         ->option_text("EV")
         ->check(CLI::Range(-100.0, 100.0))
         ->group(group);
-    app.add_option("--curve", a.curve,
+    app.add_option("--curve", a.files.display.curve,
                    "Tone curve of PNG files: srgb clips (default), filmic rolls off highlights")
         ->option_text("srgb|filmic")
         ->check(CLI::IsMember({"srgb", "filmic"}))
         ->group(group);
-    app.add_option("--aov", a.aovs, "Layers to add to EXR files, of albedo, normal, depth, variance")
+    app.add_option("--aov", a.session.layers,
+                   "Layers to add to EXR files, of albedo, normal, depth, variance")
         ->option_text("NAME,...")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->group(group);
     app.add_option("--stats", a.stats, "JSON file for statistics")->option_text("FILE")->group(group);
-    app.add_flag("--overwrite", a.session.overwrite,
+    app.add_flag("--overwrite", a.files.overwrite,
                  "Replace existing images that Metrolux has not written, too")
         ->group(group);
     app.add_flag("--quiet", a.quiet, "Show errors and warnings only")->group(group);
 }
 
 void addLimitOptions(CLI::App& app, RenderArguments& a) {
-    const char* const group = "When to stop (whichever comes first; without any: --time 60s)";
+    const std::string group =
+        fmt::format("When to stop (whichever comes first; without any: --time {}s)", kDefaultSeconds);
     app.add_option("--time", a.time, "Time to render for: 90s, 5m, 1h30m; loading is not counted")
         ->option_text("TIME")
         ->group(group);
-    app.add_option("--passes", a.session.limits.passes, "Number of passes")
+    app.add_option("--passes", a.limits.passes, "Number of passes")
         ->option_text("N")
         ->check(wholeNumber<uint32_t>(1, std::numeric_limits<uint32_t>::max()))
         ->group(group);
@@ -56,13 +58,15 @@ void addLimitOptions(CLI::App& app, RenderArguments& a) {
 void addCheckpointOptions(CLI::App& app, RenderArguments& a) {
     const char* const group = "Checkpoints";
     app.add_option(
-           "--checkpoint", a.session.checkpoint.file,
+           "--checkpoint", a.files.checkpoint,
            "File for the whole state of the rendering: `metrolux resume FILE` goes on from it,\nbit for "
            "bit. The last two are kept, FILE and FILE.1")
         ->option_text("FILE")
         ->group(group);
-    app.add_option("--checkpoint-every", a.checkpointEvery,
-                   "Time between checkpoints: 90s, 5m (default), 1h; the last is written at the end")
+    app.add_option(
+           "--checkpoint-every", a.checkpointEvery,
+           fmt::format("Time between checkpoints: 90s, {}m (default), 1h; the last is written at the end",
+                       kDefaultCheckpointEvery / 60))
         ->option_text("TIME")
         ->group(group);
 }
@@ -86,8 +90,11 @@ void addRenderOptions(CLI::App& app, RenderArguments& a) {
     app.add_option("scene", a.scene, "Mitsuba scene: XML of version 3.x, 2.x, 0.6 or 0.5")->required();
     addSceneOptions(app, a);
     addOutputOptions(app, a);
-    app.add_option("--save-every", a.saveEvery,
-                   "Time between saves of the image so far: 90s, 5m (default: 60s; 0: only at the end)")
+    app.add_option(
+           "--save-every", a.saveEvery,
+           fmt::format("Time between saves of the image so far: 90s, 5m (default: {}s; 0: only at the "
+                       "end)",
+                       kDefaultSaveEvery))
         ->option_text("TIME")
         ->group("Output");
     addLimitOptions(app, a);
@@ -142,12 +149,12 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
                        std::string(kDefaultIntegrator) + ")")
         ->option_text("NAME")
         ->group(group);
-    app.add_option("--max-depth", a.maxDepth,
+    app.add_option("--max-depth", a.session.maxDepth,
                    "Largest number of path edges; -1: no limit (default: the scene's)")
         ->option_text("N")
         ->check(wholeNumber(-1, 1 << 20))
         ->group(group);
-    app.add_option("--seed", a.session.common.seed, "Seed of all random numbers (default: 0)")
+    app.add_option("--seed", a.session.seed, "Seed of all random numbers (default: 0)")
         ->option_text("K")
         ->check(wholeNumber<uint64_t>(0, std::numeric_limits<uint64_t>::max()))
         ->group(group);
@@ -156,61 +163,66 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a) {
 
 void addMachineOptions(CLI::App& app, RenderArguments& a) {
     const char* const group = "Machine";
-    app.add_option("--threads", a.threads, "Number of threads (default: one for each core)")
+    app.add_option("--threads", a.session.threads, "Number of threads (default: one for each core)")
         ->option_text("T")
         ->check(wholeNumber(1, 4096))
         ->group(group);
-    app.add_option("--memory", a.memory,
-                   "What an iteration may store: 4G, 512M (default: 1408M); larger images\nare made of more "
-                   "iterations a pass")
+    app.add_option(
+           "--memory", a.memory,
+           fmt::format("What an iteration may store: 4G, 512M (default: {}M); larger images\nare made of "
+                       "more iterations a pass",
+                       kDefaultMemory >> 20))
         ->option_text("SIZE")
         ->group(group);
 }
 
 void prepareAlgorithm(RenderArguments& a) {
-    if (!a.memory.empty()) a.session.common.memoryBytes = parseMemory(a.memory);
+    if (!a.memory.empty()) a.session.memory = parseMemory(a.memory);
     if (a.session.integrator != kSceneIntegrator)
         settleParameters(a.session.parameters, findIntegrator(a.session.integrator));
 }
 
 IntegratorChoice completeAlgorithm(RenderArguments& a, const Scene& scene) {
-    const SceneParts& parts = scene.parts();
-    a.session.common.limits = parts.limits;
-    if (a.maxDepth) a.session.common.limits.maxDepth = *a.maxDepth;
+    const SceneIntegrator& integrator = scene.parts().integrator;
     if (a.session.integrator == kSceneIntegrator)
         settleParameters(a.session.parameters,
-                         *chooseIntegrator(a.session.integrator, parts.integrator).integrator);
-    return chooseIntegrator(a.session.integrator, parts.integrator, a.session.parameters);
+                         *chooseIntegrator(a.session.integrator, integrator).integrator);
+    return chooseIntegrator(a.session.integrator, integrator, a.session.parameters);
+}
+
+CommonOptions commonOptions(const RenderArguments& a, const PathLimits& limits) {
+    CommonOptions options;
+    options.seed = a.session.seed;
+    options.memoryBytes = a.session.memory;
+    options.limits = limits;
+    if (a.session.maxDepth) options.limits.maxDepth = *a.session.maxDepth;
+    return options;
 }
 
 void prepareOutputs(RenderArguments& a) {
-    SessionOptions& session = a.session;
-    session.display.curve = toneCurveFromName(a.curve).value();
-    for (const std::string& name : a.aovs) session.aovs.push_back(aovFromName(name));
-    if (session.rank > 0) return;  // rank 0 writes
-    session.outputs.assign(a.outputs.begin(), a.outputs.end());
-    const OutputSet checked(session.outputs, session.display, session.overwrite);
+    for (const std::string& name : a.session.layers) aovFromName(name);
+    if (a.rank > 0) return;  // rank 0 writes
+    a.files.images.assign(a.outputs.begin(), a.outputs.end());
+    const OutputSet checked(a.files.images, api::displayOf(a.files.display), a.files.overwrite);
     if (!a.stats.empty()) checkWritable(a.stats);
 }
 
 namespace {
 
 void prepareCheckpoints(RenderArguments& a) {
-    CheckpointOptions& checkpoint = a.session.checkpoint;
+    metrolux::Files& files = a.files;
     if (!a.checkpointEvery.empty()) {
-        if (checkpoint.file.empty())
+        if (files.checkpoint.empty())
             throw Error("--checkpoint-every {}: there is no file, name it with --checkpoint FILE",
                         a.checkpointEvery);
-        checkpoint.every = parseDuration(a.checkpointEvery);
+        files.checkpointEvery = parseDuration(a.checkpointEvery);
     }
-    if (checkpoint.command.empty()) checkpoint.command = commandWords();
-    checkpoint.folder = fs::current_path().string();
+    if (files.command.empty()) files.command = commandWords();
 }
 
 void prepareStreams(RenderArguments& a) {
-    StreamChoice& choice = a.session.streams;
+    metrolux::Streams& choice = a.session.streams;
     choice.count = std::max(a.streams, uint32_t{1});
-    choice.last = choice.count - 1;
     if (a.onlyStreams.empty()) return;
     const Range range = parseRange(a.onlyStreams);
     if (a.streams == 0)
@@ -218,11 +230,11 @@ void prepareStreams(RenderArguments& a) {
     if (range.last >= choice.count)
         throw Error("--only-streams {}: found stream {}, expected 0 to {}", a.onlyStreams, range.last,
                     choice.count - 1);
-    if (a.session.checkpoint.file.empty())
+    if (a.files.checkpoint.empty())
         throw Error(
             "--only-streams {}: the part for `metrolux merge` needs a file, name it with --checkpoint FILE",
             a.onlyStreams);
-    if (a.session.limits.relativeError > 0)
+    if (a.limits.relativeError > 0)
         throw Error("--error: a part knows the error of its own passes only; give --time or --passes");
     choice.first = range.first;
     choice.last = range.last;
@@ -241,7 +253,7 @@ std::vector<NamedOutput> namedOutputs(const RenderArguments& a) {
     std::vector<NamedOutput> result;
     for (const std::string& file : a.outputs) result.push_back({fmt::format("output '{}'", file), file});
     if (!a.stats.empty()) result.push_back({fmt::format("--stats '{}'", a.stats), a.stats});
-    const fs::path& checkpoint = a.session.checkpoint.file;
+    const fs::path& checkpoint = a.files.checkpoint;
     if (checkpoint.empty()) return result;
     result.push_back({fmt::format("--checkpoint '{}'", checkpoint.string()), checkpoint});
     const fs::path previous = previousCheckpoint(checkpoint);
@@ -250,12 +262,9 @@ std::vector<NamedOutput> namedOutputs(const RenderArguments& a) {
 }
 
 void prepareRender(RenderArguments& a) {
-    SessionOptions& session = a.session;
-    session.version = METROLUX_VERSION;
-    if (!a.time.empty()) session.limits.seconds = parseDuration(a.time);
-    if (!a.error.empty()) session.limits.relativeError = parseRelativeError(a.error);
-    if (!a.saveEvery.empty()) session.saveEvery = parseInterval(a.saveEvery);
-    if (!session.limits.any()) session.limits.seconds = 60;
+    if (!a.time.empty()) a.limits.seconds = parseDuration(a.time);
+    if (!a.error.empty()) a.limits.relativeError = parseRelativeError(a.error);
+    if (!a.saveEvery.empty()) a.files.saveEvery = parseInterval(a.saveEvery);
     prepareAlgorithm(a);
     prepareStreams(a);
     if (a.outputs.empty() && a.onlyStreams.empty()) a.outputs.push_back(sceneName(a.scene) + ".exr");
@@ -263,41 +272,24 @@ void prepareRender(RenderArguments& a) {
     prepareCheckpoints(a);
 }
 
-namespace {
-
-LoadOptions loadOptions(const RenderArguments& a) {
-    LoadOptions options;
+metrolux::LoadOptions loadOptions(const RenderArguments& a) {
+    metrolux::LoadOptions options;
     options.defines = parseDefines(a.defines);
     options.lenient = a.lenient;
     options.strict = a.strict;
     options.sensor = a.sensor;
-    if (!a.sceneMemory.empty()) options.memoryBytes = parseMemory(a.sceneMemory);
-    if (!a.resolution.empty()) {
-        const Size size = parseResolution(a.resolution);
-        options.width = size.width;
-        options.height = size.height;
-    }
-    if (!a.crop.empty()) {
-        const Rectangle crop = parseCrop(a.crop);
-        options.hasCrop = true;
-        options.cropX = crop.x;
-        options.cropY = crop.y;
-        options.cropWidth = crop.width;
-        options.cropHeight = crop.height;
-    }
+    options.threads = a.session.threads;
+    if (!a.filter.empty()) options.film.filter = a.filter;
+    if (!a.sceneMemory.empty()) options.memory = parseMemory(a.sceneMemory);
+    if (!a.resolution.empty()) options.film.resolution = parseResolution(a.resolution);
+    if (!a.crop.empty()) options.film.crop = parseCrop(a.crop);
     return options;
 }
 
-}  // namespace
-
-SceneParts loadSceneParts(const fs::path& file, const RenderArguments& a, std::vector<fs::path>* files) {
-    SceneParts parts = loadScene(file, loadOptions(a), files);
+SceneParts loadSceneParts(const fs::path& file, const RenderArguments& a) {
+    SceneParts parts = loadScene(file, api::coreOptions(loadOptions(a)));
     settleSceneIntegrator(parts, a.lenient);
     if (a.strict) refuseWarnings(parts);
-    if (!a.filter.empty()) {
-        parts.filterKind = filterKind(a.filter);
-        parts.filter = {};
-    }
     return parts;
 }
 

@@ -1,8 +1,7 @@
 #pragma once
 /// Options of `render`, of which other commands take parts.
 
-#include "io/scene_loader.h"
-#include "render/session.h"
+#include "api/internals.h"
 
 #include <CLI/CLI.hpp>
 
@@ -11,14 +10,14 @@
 namespace metrolux::core::app {
 
 struct RenderArguments {
-    std::string scene, time, error, saveEvery, memory, sceneMemory, resolution, crop, stats, filter, sensor;
-    std::string curve = "srgb";
-    std::string checkpointEvery, onlyStreams;
+    std::string scene, time, error, saveEvery, memory, sceneMemory, resolution, crop, filter, sensor, stats,
+        checkpointEvery, onlyStreams;
     uint32_t streams = 0;  ///< 0: not divided
-    std::vector<std::string> outputs, defines, aovs;
-    SessionOptions session;
-    int threads = 0;
-    std::optional<int> maxDepth;  ///< in place of the scene's
+    std::vector<std::string> outputs, defines;
+    metrolux::SessionOptions session;
+    metrolux::Limits limits;
+    metrolux::Files files;
+    int rank = 0;  ///< in a team: files are written by rank 0
     bool lenient = false, strict = false, quiet = false;
 };
 
@@ -41,12 +40,13 @@ void addAlgorithmOptions(CLI::App& app, RenderArguments& a);
 /// --threads, --memory.
 void addMachineOptions(CLI::App& app, RenderArguments& a);
 
-/// Checks the values of the algorithm's options and completes session.common, but for the path limits, which
-/// need the scene. Warns of parameters that the integrator does not have, and drops them, unless the scene
-/// names the integrator. Throws Error.
+/// Checks the values of the algorithm's options. Warns of parameters that the integrator does not have, and
+/// drops them, unless the scene names the integrator. Throws Error.
 void prepareAlgorithm(RenderArguments& a);
 /// The rest of it when the scene is known. Throws Error.
 IntegratorChoice completeAlgorithm(RenderArguments& a, const Scene& scene);
+/// What every integrator takes, on a scene with these limits.
+CommonOptions commonOptions(const RenderArguments& a, const PathLimits& limits);
 /// Checks what is named for output, before anything expensive begins. Throws Error.
 void prepareOutputs(RenderArguments& a);
 /// What a scene is called: its file's name, or its folder's if the file is `scene.xml`, as in collections.
@@ -55,13 +55,14 @@ std::string sceneName(const std::filesystem::path& scene);
 std::vector<NamedOutput> namedOutputs(const RenderArguments& a);
 /// All of it for `render`: values and outputs, before anything expensive begins. Throws Error.
 void prepareRender(RenderArguments& a);
+/// The options of the scene. Throws Error.
+metrolux::LoadOptions loadOptions(const RenderArguments& a);
 /// Reads a scene with the options for it. Throws Error.
-SceneParts loadSceneParts(const std::filesystem::path& file, const RenderArguments& a,
-                          std::vector<std::filesystem::path>* files = nullptr);
+SceneParts loadSceneParts(const std::filesystem::path& file, const RenderArguments& a);
 /// Warns of contributions that were not finite.
-void reportNonFinite(const nlohmann::json& counts);
+void reportNonFinite(const std::string& statistics);
 /// Reports what became of the files; the exit status.
-int conclude(const SessionResult& result, const RenderArguments& a);
+int conclude(const metrolux::Outcome& outcome, const std::string& statistics, const RenderArguments& a);
 /// Renders; the exit status. `before`: a checkpoint to go on from. Throws Error.
 int render(RenderArguments& a, std::optional<Checkpoint> before);
 

@@ -3,6 +3,9 @@
 #include "app/render_options.h"
 #include "app/validators.h"
 #include "base/error.h"
+#include "render/progress.h"
+
+#include <metrolux/version.h>
 
 #include <spdlog/spdlog.h>
 
@@ -56,22 +59,24 @@ std::vector<std::string> absolutePaths(std::vector<std::string> files) {
 RenderArguments argumentsOf(const Checkpoint& checkpoint, const ResumeArguments& a) {
     RenderArguments result;
     parseCommand(checkpoint.command, result);
-    result.session.checkpoint.command = checkpoint.command;
+    result.files.command = checkpoint.command;
     result.outputs = a.overrides.outputs.empty() ? checkpoint.outputs : a.overrides.outputs;
-    result.threads = a.overrides.threads;
+    result.session.threads = a.overrides.session.threads;
     result.quiet = a.overrides.quiet;
-    RenderLimits limits = a.overrides.session.limits;
+    metrolux::Limits limits = a.overrides.limits;
     if (!a.overrides.time.empty()) limits.seconds = parseDuration(a.overrides.time);
     if (!a.overrides.error.empty()) limits.relativeError = parseRelativeError(a.overrides.error);
     result.time.clear();
     result.error.clear();
-    result.session.limits = limits.any() ? limits : checkpoint.limits;
+    const RenderLimits& before = checkpoint.limits;
+    if (!limits.any()) limits = {before.seconds, before.passes, before.relativeError};
+    result.limits = limits;
     if (!a.overrides.checkpointEvery.empty()) result.checkpointEvery = a.overrides.checkpointEvery;
     return result;
 }
 
 int resume(ResumeArguments& a) {
-    Checkpoint checkpoint = readCheckpoint(a.file, METROLUX_VERSION);
+    Checkpoint checkpoint = readCheckpoint(a.file, metrolux::version());
     a.overrides.outputs = absolutePaths(std::move(a.overrides.outputs));
     enterFolder(checkpoint.folder);
     RenderArguments arguments = argumentsOf(checkpoint, a);
@@ -93,7 +98,7 @@ Run addResumeCommand(CLI::App& parent) {
         ->allow_extra_args(false);
     app->add_option("--checkpoint-every", overrides.checkpointEvery, "Time between checkpoints")
         ->option_text("TIME");
-    app->add_option("--threads", overrides.threads, "Number of threads (default: one for each core)")
+    app->add_option("--threads", overrides.session.threads, "Number of threads (default: one for each core)")
         ->option_text("T")
         ->check(wholeNumber(1, 4096));
     app->add_flag("--quiet", overrides.quiet, "Show errors and warnings only");

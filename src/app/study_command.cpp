@@ -10,6 +10,8 @@
 #include "study/page.h"
 #include "study/report.h"
 
+#include <metrolux/version.h>
+
 #include <spdlog/spdlog.h>
 
 #include <set>
@@ -79,7 +81,7 @@ void addComparisonOptions(CLI::App& app, StudyArguments& a) {
         ->option_text("S")
         ->check(wholeNumber<uint64_t>(0, uint64_t{1} << 62))
         ->group(group);
-    app.add_option("--max-depth", a.render.maxDepth,
+    app.add_option("--max-depth", a.render.session.maxDepth,
                    "Largest number of path edges; -1: no limit (default: the scene's)")
         ->option_text("N")
         ->check(wholeNumber(-1, 1 << 20))
@@ -125,7 +127,7 @@ Entrant parseEntrant(const std::string& text, const RenderArguments& common) {
     }
     RenderArguments a;
     a.memory = common.memory;
-    a.maxDepth = common.maxDepth;
+    a.session.maxDepth = common.session.maxDepth;
     CLI::App app;
     app.set_help_flag();
     addAlgorithmOptions(app, a);
@@ -136,7 +138,7 @@ Entrant parseEntrant(const std::string& text, const RenderArguments& common) {
     }
     a.session.integrator = integrator;
     prepareAlgorithm(a);
-    return {text, integrator, a.session.parameters, a.session.common, a.maxDepth, words};
+    return {text, integrator, a.session.parameters, commonOptions(a, {}), a.session.maxDepth, words};
 }
 
 void completePlan(StudyArguments& a) {
@@ -189,7 +191,7 @@ nlohmann::json sceneOptions(const RenderArguments& a) {
     if (!a.crop.empty()) options["crop"] = a.crop;
     if (!a.filter.empty()) options["filter"] = a.filter;
     if (!a.defines.empty()) options["define"] = a.defines;
-    if (a.maxDepth) options["max-depth"] = *a.maxDepth;
+    if (a.session.maxDepth) options["max-depth"] = *a.session.maxDepth;
     return options;
 }
 
@@ -199,7 +201,7 @@ class StudyRunner {
     StudyRunner(StudyArguments& arguments, int threads)
         : a_(arguments),
           names_(folderNames(arguments.scenes)),
-          provenance_{METROLUX_VERSION, commandWords(), study::describeMachine(threads),
+          provenance_{metrolux::version(), commandWords(), study::describeMachine(threads),
                       sceneOptions(arguments.render)} {}
 
     /// Finds what cannot be used before anything is rendered. Throws Error.
@@ -331,7 +333,7 @@ int runStudyCommand(StudyArguments& a) {
     checkReferenceOptions(a);
     completePlan(a);
     catchInterrupts();
-    ThreadLimit limit(a.render.threads);
+    ThreadLimit limit(a.render.session.threads);
     a.plan.threads = limit.threads();
     a.plan.clock = a.clock == "cpu" ? study::Clock::Processor : study::Clock::Wall;
     return limit.execute([&] {

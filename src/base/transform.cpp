@@ -90,6 +90,16 @@ Transform Transform::fromRows(const double (&rows)[4][4]) {
     return result;
 }
 
+Transform Transform::fromRows(const double (&rows)[4][4], const double (&inverse)[4][4]) {
+    Transform t;
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) {
+            t.m_[i][j] = rows[i][j];
+            t.inv_[i][j] = inverse[i][j];
+        }
+    return t;
+}
+
 Transform Transform::translate(const Vec3f& offset) {
     const double rows[4][4] = {{1, 0, 0, offset.x}, {0, 1, 0, offset.y}, {0, 0, 1, offset.z}, {0, 0, 0, 1}};
     return fromRows(rows);

@@ -13,6 +13,8 @@ class Transform {
     Transform();  ///< identity
     /// Rows of the matrix; throws Error when an element is not finite.
     static Transform fromRows(const double (&rows)[4][4]);
+    /// What another Transform said of itself and of its inverse: the same bits.
+    static Transform fromRows(const double (&rows)[4][4], const double (&inverse)[4][4]);
     static Transform translate(const Vec3f& offset);
     static Transform scale(const Vec3f& factors);
     /// Rotation by `degrees` around `axis` (right-hand rule); throws Error for a zero axis, unless there is

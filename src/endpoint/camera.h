@@ -23,7 +23,6 @@ class Camera : public Endpoint {
         (void)direction;
         return origin;
     }
-    virtual void setSceneBounds(const Vec3f& center, float radius) { (void)center, (void)radius; }
 
   protected:
     FilmWindow window_;

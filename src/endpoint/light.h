@@ -12,6 +12,7 @@ class Shape;
 struct SceneBounds {
     Vec3f center{0.0f};
     float radius = 1;  ///< of a sphere around `center` that holds all surfaces and the camera
+    bool operator==(const SceneBounds&) const = default;
 };
 
 /// Where a light is and where it shines, for light selection (after Conty Estevez & Kulla 2018, 4.1).
@@ -63,6 +64,8 @@ class Light : public Endpoint {
     virtual const Shape* shape() const { return nullptr; }
     /// Called once when the scene's bounds are known (infinite lights need them).
     virtual void setSceneBounds(const SceneBounds& bounds) { (void)bounds; }
+    /// A light like this one for a scene of other bounds; null where bounds make no difference.
+    virtual std::shared_ptr<Light> copy() const { return nullptr; }
 };
 using LightPtr = std::shared_ptr<Light>;
 

@@ -1,6 +1,8 @@
 #pragma once
 #include "image/image_io.h"
 
+#include <metrolux/defaults.h>
+
 namespace metrolux::core {
 
 /// How far image `a` is from reference `b`. Means are over pixels and color channels alike (alpha is left
@@ -20,7 +22,7 @@ struct ImageDifference {
     size_t nonFinite = 0;  ///< that were left out
 };
 
-inline constexpr double kRelMseEpsilon = 1e-2;
+inline constexpr double kRelMseEpsilon = kDefaultEpsilon;
 
 /// Throws Error when the sizes differ.
 ImageDifference compareImages(const ImageData& a, const ImageData& b, double epsilon = kRelMseEpsilon);

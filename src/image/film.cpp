@@ -6,6 +6,7 @@
 #include "image/blocking.h"
 #include "image/fixed_point.h"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 
@@ -201,25 +202,35 @@ void Film::endPass() {
 }
 
 std::vector<float> Film::image() const {
-    std::vector<float> result(static_cast<size_t>(pixelCount()) * 3, 0.0f);
-    if (passes_ == 0) return result;
-    for (size_t i = 0; i < implementation_->sums.size(); ++i)
-        for (size_t c = 0; c < 3; ++c)
-            result[3 * i + c] = static_cast<float>(implementation_->sums[i].color[c].value() / passes_);
+    std::vector<float> result(static_cast<size_t>(pixelCount()) * 3);
+    image(result);
     return result;
 }
 
+void Film::image(std::span<float> target) const {
+    assert(target.size() == 3 * static_cast<size_t>(pixelCount()));
+    if (passes_ == 0) return std::fill(target.begin(), target.end(), 0.0f);
+    for (size_t i = 0; i < implementation_->sums.size(); ++i)
+        for (size_t c = 0; c < 3; ++c)
+            target[3 * i + c] = static_cast<float>(implementation_->sums[i].color[c].value() / passes_);
+}
+
 std::vector<float> Film::variance() const {
-    std::vector<float> result(static_cast<size_t>(pixelCount()), 0.0f);
-    if (passes_ < 2) return result;
+    std::vector<float> result(static_cast<size_t>(pixelCount()));
+    variance(result);
+    return result;
+}
+
+void Film::variance(std::span<float> target) const {
+    assert(target.size() == static_cast<size_t>(pixelCount()));
+    if (passes_ < 2) return std::fill(target.begin(), target.end(), 0.0f);
     const double n = passes_;
     for (size_t i = 0; i < implementation_->sums.size(); ++i) {
         const PixelSum& sum = implementation_->sums[i];
         const double mean =
             luminanceOf({sum.color[0].value(), sum.color[1].value(), sum.color[2].value()}) / n;
-        result[i] = static_cast<float>(std::max(0.0, sum.squares() / n - mean * mean) / (n - 1));
+        target[i] = static_cast<float>(std::max(0.0, sum.squares() / n - mean * mean) / (n - 1));
     }
-    return result;
 }
 
 double Film::relativeError() const {

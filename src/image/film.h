@@ -76,9 +76,12 @@ class Film {
 
     /// Mean over passes, row by row, 3 floats a pixel.
     std::vector<float> image() const;
+    /// As image(), into memory for it.
+    void image(std::span<float> target) const;
     /// Variance of the mean of the luminance of each pixel, from the differences between passes. For
     /// chain-based integrators passes are correlated and this is too small: see relativeError().
     std::vector<float> variance() const;
+    void variance(std::span<float> target) const;
     /// Estimated root of the mean squared relative error of the image, from a fixed subset of pixels and
     /// blocked (Flyvbjerg & Petersen 1989) pass means, which holds for correlated passes too. Infinity before
     /// it is known.

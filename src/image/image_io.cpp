@@ -289,15 +289,19 @@ ImageLayer readLayer(const fs::path& file, const std::string& name) {
     return layer;
 }
 
-std::string encodePng(const ImageData& image, float exposure, ToneCurve curve, const Metadata& metadata) {
-    checkImage(image);
+std::vector<uint8_t> displayBytes(const ImageData& image, float exposure, ToneCurve curve) {
     std::vector<uint8_t> bytes(image.pixels.size());
     for (size_t i = 0; i < bytes.size(); i += 3) {
         const Rgb display =
             tonemap({image.pixels[i], image.pixels[i + 1], image.pixels[i + 2]}, exposure, curve);
         for (size_t c = 0; c < 3; ++c) bytes[i + c] = toByte(display[static_cast<int>(c)]);
     }
-    return encodePng8(image, bytes, metadata);
+    return bytes;
+}
+
+std::string encodePng(const ImageData& image, float exposure, ToneCurve curve, const Metadata& metadata) {
+    checkImage(image);
+    return encodePng8(image, displayBytes(image, exposure, curve), metadata);
 }
 
 void writePng(const fs::path& file, const ImageData& image, float exposure, ToneCurve curve,

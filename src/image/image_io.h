@@ -59,6 +59,8 @@ void writePng(const std::filesystem::path& file, const ImageData& image, float e
 /// The bytes of that file.
 std::string encodePng(const ImageData& image, float exposure = 0, ToneCurve curve = ToneCurve::Srgb,
                       const Metadata& metadata = {});
+/// The values in it, 3 a pixel.
+std::vector<uint8_t> displayBytes(const ImageData& image, float exposure, ToneCurve curve);
 /// The same without tone mapping: values in [0, 1] are display values.
 void writePngRaw(const std::filesystem::path& file, const ImageData& image, const Metadata& metadata = {});
 /// The bytes of that file.

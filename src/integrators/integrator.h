@@ -3,6 +3,8 @@
 #include "image/film.h"
 #include "scene/scene.h"
 
+#include <metrolux/defaults.h>
+
 #include <nlohmann/json_fwd.hpp>
 
 #include <memory>
@@ -12,10 +14,6 @@ namespace metrolux::core {
 
 /// What every integrator takes. Same options, parameters, scene and pass count: the same bits.
 struct CommonOptions {
-    /// A fixed number, because the image depends on it: more memory of the machine must not change it. Keeps
-    /// 1920x1080 pixels of eight vertices each below 2.5 GB in all.
-    static constexpr size_t kDefaultMemory = size_t{1408} << 20;
-
     uint64_t seed = 0;
     PathLimits limits;
     size_t memoryBytes = kDefaultMemory;  ///< bound for what an iteration stores; 0: no bound

@@ -7,8 +7,6 @@
 
 namespace metrolux::core {
 
-inline constexpr const char* kDefaultIntegrator = "mcmc_vcm";
-
 /// All of them, as one would present them.
 const std::vector<IntegratorDescription>& integratorList();
 /// Throws Error for an unknown name, with the nearest known one.

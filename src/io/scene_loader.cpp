@@ -9,18 +9,34 @@ namespace {
 
 using namespace mitsuba;
 
+}  // namespace
+
+void refuseWarnings(const SceneParts& parts) {
+    if (parts.warnings.empty()) return;
+    const size_t more = parts.warnings.size() - 1;
+    throw Error("{}{}", parts.warnings.front(), more ? fmt::format(" (and {} more warnings)", more) : "");
+}
+
+namespace {
+
+LoadContext contextOf(const LoadOptions& options, const MemoryBudget& memory,
+                      const std::vector<std::filesystem::path>& searchPaths) {
+    LoadContext context;
+    context.memory = memory;
+    context.searchPaths = searchPaths;
+    context.lenient = options.lenient;
+    context.film = {options.width, options.height,    options.hasCrop,   options.cropX,
+                    options.cropY, options.cropWidth, options.cropHeight};
+    return context;
+}
+
 class Loader {
   public:
     Loader(ParsedScene parsed, const LoadOptions& options, const MemoryBudget& memory)
-        : scene_(std::move(parsed)) {
-        context_.memory = memory;
-        context_.searchPaths = scene_.searchPaths;
-        context_.lenient = options.lenient;
+        : scene_(std::move(parsed)), context_(contextOf(options, memory, scene_.searchPaths)) {
         isFragment_ = options.fragment;
         chosenSensor_ = options.sensor;
         context_.warnings = std::move(scene_.warnings);
-        context_.film = {options.width, options.height,    options.hasCrop,   options.cropX,
-                         options.cropY, options.cropWidth, options.cropHeight};
     }
 
     /// Files that were read besides the scene's own; after run().
@@ -29,6 +45,9 @@ class Loader {
         result.insert(scene_.files.begin(), scene_.files.end());
         return result;
     }
+
+    /// What the camera was made from; after run().
+    SensorSource sensorSource() const { return {sensor_, context_.searchPaths, context_.lenient}; }
 
     SceneParts run(const std::string& source) {
         integrator();
@@ -52,6 +71,7 @@ class Loader {
             action();
         } catch (const Error& problem) {
             const std::string message = problem.what();
+            if (message.starts_with(scene_.root->location.file + ":")) throw;
             for (const std::string& file : scene_.files)
                 if (message.starts_with(file + ":")) throw;
             throw element.error(message);
@@ -78,11 +98,11 @@ class Loader {
             return;
         }
         if (sensors.empty()) throw scene_.root->error("found no <sensor>, expected one");
-        const ElementPtr sensor = chosenSensor_.empty() ? sensors[0] : findSensor(sensors);
         if (sensors.size() > 1 && chosenSensor_.empty())
             context_.warn(*sensors[1],
                           fmt::format("{} sensors, the first is used; --sensor chooses", sensors.size()));
-        build(*sensor, [&] { parts_.camera = makeCamera(*sensor, context_, parts_); });
+        sensor_ = chosenSensor_.empty() ? sensors[0] : findSensor(sensors);
+        build(*sensor_, [&] { parts_.camera = makeCamera(*sensor_, context_, parts_); });
     }
 
     ElementPtr findSensor(const std::vector<ElementPtr>& sensors) const {
@@ -150,32 +170,95 @@ class Loader {
     ParsedScene scene_;
     LoadContext context_;
     SceneParts parts_;
-    ElementPtr environment_;
+    ElementPtr environment_, sensor_;
 };
+
+MemoryBudget memoryFor(const LoadOptions& options) {
+    if (options.memoryBytes > 0) return MemoryBudget(options.memoryBytes);
+    const uint64_t machine = physicalMemoryBytes();
+    return machine > 0 ? MemoryBudget(machine) : MemoryBudget::unlimited();
+}
+
+template <class Film>
+void overrideFilter(Film& film, const LoadOptions& options) {
+    if (options.filter.empty()) return;
+    film.filterKind = filterKind(options.filter);
+    film.filter = {};
+}
+
+SceneParts build(ParsedScene parsed, const LoadOptions& options, const MemoryBudget& memory,
+                 const std::string& source, std::vector<std::filesystem::path>* files, SensorSource* sensor) {
+    Loader loader(std::move(parsed), options, memory);
+    SceneParts parts = loader.run(source);
+    if (options.strict) refuseWarnings(parts);
+    overrideFilter(parts, options);
+    if (files)
+        for (const std::filesystem::path& read : loader.files())
+            if (read != source) files->push_back(read);
+    if (sensor) *sensor = loader.sensorSource();
+    return parts;
+}
+
+/// A copy whose properties count as unread. Another thread may be reading the original.
+ElementPtr copyOf(const Element& element) {
+    auto result = std::make_shared<Element>(element);
+    const auto renew = [](Property& property) {
+        property.used = false;
+        if (ElementPtr* child = std::get_if<ElementPtr>(&property.value); child && *child)
+            *child = copyOf(**child);
+    };
+    for (auto& entry : result->named) renew(entry.second);
+    for (Property& property : result->children) renew(property);
+    return result;
+}
 
 }  // namespace
 
-void refuseWarnings(const SceneParts& parts) {
-    if (parts.warnings.empty()) return;
-    const size_t more = parts.warnings.size() - 1;
-    throw Error("{}{}", parts.warnings.front(), more ? fmt::format(" (and {} more warnings)", more) : "");
+void LoadOptions::setResolution(int newWidth, int newHeight) {
+    constexpr int kLargestSide = 65536;
+    if (newWidth < 1 || newHeight < 1 || newWidth > kLargestSide || newHeight > kLargestSide)
+        throw Error("resolution {}x{}: both sides must be from 1 to {} pixels", newWidth, newHeight,
+                    kLargestSide);
+    width = newWidth;
+    height = newHeight;
+}
+
+void LoadOptions::setCrop(int x, int y, int newWidth, int newHeight) {
+    if (x < 0 || y < 0 || newWidth < 1 || newHeight < 1)
+        throw Error("crop {},{},{},{}: x and y must not be negative, width and height not less than 1", x, y,
+                    newWidth, newHeight);
+    hasCrop = true;
+    cropX = x;
+    cropY = y;
+    cropWidth = newWidth;
+    cropHeight = newHeight;
 }
 
 SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,
-                     std::vector<std::filesystem::path>* files) {
-    const uint64_t machine = physicalMemoryBytes();
-    MemoryBudget memory = options.memoryBytes > 0 ? MemoryBudget(options.memoryBytes)
-                          : machine > 0           ? MemoryBudget(machine)
-                                                  : MemoryBudget::unlimited();
-    Loader loader(parseScene(file, options.defines, options.lenient, &memory), options, memory);
-    SceneParts parts = loader.run(file.string());
-    if (options.strict) refuseWarnings(parts);
-    if (files) {
-        files->assign(1, file);
-        for (const std::filesystem::path& read : loader.files())
-            if (read != file) files->push_back(read);
-    }
-    return parts;
+                     std::vector<std::filesystem::path>* files, SensorSource* sensor) {
+    MemoryBudget memory = memoryFor(options);
+    ParsedScene parsed = parseScene(file, options.defines, options.lenient, &memory);
+    if (files) files->assign(1, file);
+    return build(std::move(parsed), options, memory, file.string(), files, sensor);
+}
+
+SceneParts buildScene(ParsedScene parsed, const LoadOptions& options,
+                      std::vector<std::filesystem::path>* files, SensorSource* sensor) {
+    if (files) files->clear();
+    const std::string source = std::filesystem::path(parsed.root->location.file).filename().string();
+    return build(std::move(parsed), options, memoryFor(options), source, files, sensor);
+}
+
+SceneView makeView(const SensorSource& source, const LoadOptions& options,
+                   std::vector<std::string>& warnings) {
+    LoadContext context = contextOf(options, memoryFor(options), source.searchPaths);
+    context.lenient = source.lenient;
+    SceneParts film;
+    const ElementPtr element = copyOf(*source.element);
+    CameraPtr camera = makeCamera(*element, context, film);
+    overrideFilter(film, options);
+    warnings = std::move(context.warnings);
+    return {std::move(camera), {}, film.filterKind, film.filter};
 }
 
 }  // namespace metrolux::core

@@ -1,4 +1,5 @@
 #pragma once
+#include "io/mitsuba/parser.h"
 #include "scene/scene.h"
 
 #include <filesystem>
@@ -18,6 +19,18 @@ struct LoadOptions {
     uint64_t memoryBytes = 0;   ///< most that the scene's data may take; 0: what the machine has
     bool hasCrop = false;
     int cropX = 0, cropY = 0, cropWidth = 0, cropHeight = 0;  ///< --crop, pixels of the full image
+    std::string filter;  ///< --filter: in place of the film's, of its default width; empty: the film's
+
+    /// Throw Error for sizes that no image has.
+    void setResolution(int newWidth, int newHeight);
+    void setCrop(int x, int y, int newWidth, int newHeight);
+};
+
+/// What a view of the scene is made from.
+struct SensorSource {
+    mitsuba::ElementPtr element;
+    std::vector<std::filesystem::path> searchPaths;
+    bool lenient = false;
 };
 
 /// What `strict` does with the warnings so far: throws the first as an Error.
@@ -25,7 +38,16 @@ void refuseWarnings(const SceneParts& parts);
 
 /// Reads a Mitsuba XML scene. Throws Error. `files`, if given, receives the names of all files that were
 /// read, the scene's first.
+/// `sensor`, if given, the one that the camera was made from.
 SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,
-                     std::vector<std::filesystem::path>* files = nullptr);
+                     std::vector<std::filesystem::path>* files = nullptr, SensorSource* sensor = nullptr);
+/// The same of a scene that is parsed already; `files` are those besides it.
+SceneParts buildScene(mitsuba::ParsedScene parsed, const LoadOptions& options,
+                      std::vector<std::filesystem::path>* files = nullptr, SensorSource* sensor = nullptr);
+
+/// The camera and the film of `source`, as loadScene() with these options makes them; the limits are the
+/// caller's. Throws Error.
+SceneView makeView(const SensorSource& source, const LoadOptions& options,
+                   std::vector<std::string>& warnings);
 
 }  // namespace metrolux::core

@@ -8,7 +8,6 @@
 #include "image/atomic_file.h"
 #include "integrators/iteration.h"
 
-#include <spdlog/spdlog.h>
 #include <tbb/task_arena.h>
 
 namespace metrolux::core {
@@ -33,6 +32,10 @@ SessionOptions withIntegrator(SessionOptions options, const std::string& name) {
     return options;
 }
 
+double raysPerSecond(const RayStatistics& rays, double seconds) {
+    return seconds > 0 ? static_cast<double>(rays.intersectRays + rays.shadowRays) / seconds : 0.0;
+}
+
 /// `limits.passes` as those of the chosen streams.
 RenderLimits limitsOfChoice(RenderLimits limits, const StreamChoice& choice) {
     if (limits.passes > 0) limits.passes = passesOfChoice(choice, limits.passes);
@@ -41,35 +44,34 @@ RenderLimits limitsOfChoice(RenderLimits limits, const StreamChoice& choice) {
 
 }  // namespace
 
-RenderSession::RenderSession(const Scene& scene, SessionOptions options)
+RenderSession::RenderSession(const std::shared_ptr<const Scene>& scene, const SessionOptions& options)
     : RenderSession(scene, options,
-                    chooseIntegrator(options.integrator, scene.parts().integrator, options.parameters)) {}
+                    chooseIntegrator(options.integrator, scene->parts().integrator, options.parameters)) {}
 
-RenderSession::RenderSession(const Scene& scene, SessionOptions options, const IntegratorChoice& choice)
+RenderSession::RenderSession(const std::shared_ptr<const Scene>& scene, const SessionOptions& options,
+                             const IntegratorChoice& choice)
     : RenderSession(scene, withIntegrator(options, choice.name()), toJson(choice.parameters),
-                    streamMaker(scene, options, choice)) {}
+                    streamMaker(*scene, options, choice)) {}
 
-RenderSession::RenderSession(const Scene& scene, SessionOptions options,
+RenderSession::RenderSession(std::shared_ptr<const Scene> scene, SessionOptions options,
                              std::unique_ptr<Integrator> integrator)
-    : RenderSession(scene, std::move(options), nlohmann::json::object(),
+    : RenderSession(std::move(scene), std::move(options), nlohmann::json::object(),
                     [made = std::make_shared<std::unique_ptr<Integrator>>(std::move(integrator))](uint32_t) {
                         return std::move(*made);
                     }) {}
 
-RenderSession::RenderSession(const Scene& scene, SessionOptions options, nlohmann::json parameters,
-                             StreamedIntegrator::Make make)
-    : scene_(scene),
+RenderSession::RenderSession(std::shared_ptr<const Scene> scene, SessionOptions options,
+                             nlohmann::json parameters, StreamedIntegrator::Make make)
+    : scene_(std::move(scene)),
       options_(std::move(options)),
       parameters_(std::move(parameters)),
-      outputs_(options_.outputs, options_.display, options_.overwrite),
-      film_(makeFilm(scene)),
-      integrator_(std::move(make), options_.streams, options_.limits.passes) {
-    if (!options_.checkpoint.file.empty() && options_.rank == 0) checkWritable(options_.checkpoint.file);
-}
+      film_(makeFilm(*scene_)),
+      integrator_(std::move(make), options_.streams) {}
 
 nlohmann::json RenderSession::identity() const {
+    if (!sceneIdentity_) sceneIdentity_ = options_.scene ? options_.scene() : nlohmann::json();
     const CommonOptions& o = options_.common;
-    const FilmWindow& w = scene_.camera().window();
+    const FilmWindow& w = scene_->camera().window();
     const nlohmann::json algorithm{{"integrator", options_.integrator},
                                    {"parameters", parameters_},
                                    {"seed", o.seed},
@@ -78,7 +80,7 @@ nlohmann::json RenderSession::identity() const {
                                    {"hide_emitters", o.limits.hideEmitters},
                                    {"iterations_per_pass", PixelPartition(w, o).parts()}};
     return {{"version", options_.version},
-            {"scene", options_.checkpoint.scene},
+            {"scene", *sceneIdentity_},
             {"window", {w.x, w.y, w.width, w.height}},
             {"image", {w.fullWidth, w.fullHeight}},
             {"algorithm", algorithm},
@@ -98,84 +100,130 @@ void RenderSession::restore(Checkpoint checkpoint) {
     raysBefore_ = checkpoint.rays;
 }
 
-void RenderSession::begin() {
-    const double start = steadySeconds();
-    if (options_.rank == 0) cameraLayers_ = renderAovs(scene_, options_.aovs);
-    secondsForAovs_ = steadySeconds() - start;
-    Intersector::resetStatistics();
-    nextSave_ = secondsBefore_ + options_.saveEvery;
-    nextCheckpoint_ = secondsBefore_ + options_.checkpoint.every;
-    if (options_.rank > 0) return;
-    if (!options_.checkpoint.file.empty()) removeLeftovers(options_.checkpoint.file);
-    for (const std::filesystem::path& output : options_.outputs) removeLeftovers(output);
+const std::vector<ImageLayer>& RenderSession::cameraLayers() {
+    if (!cameraLayers_) {
+        const double start = steadySeconds();
+        cameraLayers_ = renderAovs(*scene_, options_.aovs);
+        secondsForAovs_ = steadySeconds() - start;
+    }
+    return *cameraLayers_;
 }
 
-SessionResult RenderSession::run(ProgressReporter& progress, const std::function<bool()>& interrupted) {
-    begin();
-    PassReport last{film_.passes(), secondsBefore_, film_.relativeError(), -1};
-    PassLoopHooks hooks;
-    hooks.interrupted = interrupted;
-    hooks.secondsBefore = secondsBefore_;
-    hooks.afterPass = [&](const PassReport& report) {
+RenderSession::Run RenderSession::begin(const RunOptions& options, const RunHooks& hooks) {
+    const bool writes = options_.rank == 0;
+    Run run{options,
+            hooks,
+            OutputSet(writes ? options.outputs : std::vector<std::filesystem::path>(), options.display,
+                      options.overwrite),
+            secondsBefore_ + options.saveEvery,
+            secondsBefore_ + options.checkpoint.every,
+            {}};
+    if (writes) {
+        if (!options.checkpoint.file.empty()) checkWritable(options.checkpoint.file);
+        if (!options.outputs.empty()) cameraLayers();
+        if (!options.checkpoint.file.empty()) removeLeftovers(options.checkpoint.file);
+        for (const std::filesystem::path& output : options.outputs) removeLeftovers(output);
+    }
+    // Files of the scene are read again for it: now, before somebody changes them.
+    if (!options.checkpoint.file.empty()) identity();
+    integrator_.setTotalPasses(options.limits.passes);
+    counterStart_ = Intersector::statistics();
+    counting_ = true;
+    return run;
+}
+
+/// The passes until `seconds` become those before.
+void RenderSession::end(double seconds) {
+    secondsBefore_ = seconds;
+    raysBefore_ = rays();
+    counting_ = false;
+}
+
+SessionResult RenderSession::run(const RunOptions& options, const RunHooks& hooks) {
+    const RenderLimits limits = limitsOfChoice(options.limits, options_.streams);
+    Run run = begin(options, hooks);
+    PassReport last = report();
+    PassLoopHooks loop;
+    loop.interrupted = hooks.interrupted;
+    loop.secondsBefore = secondsBefore_;
+    loop.afterPass = [&](const PassReport& report) {
         last = report;
-        const RayStatistics traced = rays();
-        progress.update(report,
-                        static_cast<double>(traced.intersectRays + traced.shadowRays) / report.seconds,
-                        integrator_.progressNote());
-        saveWhatIsDue(here(report), progress);
+        if (hooks.afterPass)
+            hooks.afterPass(report, core::raysPerSecond(rays(), report.seconds), integrator_.progressNote());
+        saveWhatIsDue(run, here(report));
     };
     SessionResult result;
-    result.reason =
-        renderPasses(integrator_, film_, limitsOfChoice(options_.limits, options_.streams), hooks);
-    progress.finish();
-    conclude(here(last), result, progress);
+    result.reason = renderPasses(integrator_, film_, limits, loop);
+    lastReason_ = result.reason;
+    conclude(run, here(last), result);
+    end(last.seconds);
     return result;
+}
+
+PassReport RenderSession::step() {
+    const RunOptions none;
+    const RunHooks nobody;
+    begin(none, nobody);
+    const double start = steadySeconds();
+    integrator_.renderPass(film_);
+    end(secondsBefore_ + steadySeconds() - start);
+    lastReason_.reset();
+    return report();
+}
+
+PassReport RenderSession::report() const {
+    return {film_.passes(), secondsBefore_, film_.relativeError(), -1};
 }
 
 RenderSession::Snapshot RenderSession::here(const PassReport& report) const {
     return {film_, report, rays(), [this] { return integrator_.states(); }};
 }
 
-void RenderSession::conclude(const Snapshot& end, SessionResult& result, ProgressReporter& progress) {
+double RenderSession::raysPerSecond() const { return core::raysPerSecond(rays(), secondsBefore_); }
+nlohmann::json RenderSession::statistics() const { return statistics(here(report()), lastReason_); }
+RenderedFrame RenderSession::frame() { return frame(here(report())); }
+Checkpoint RenderSession::checkpoint(const RunOptions& options) const {
+    return checkpoint(options, here(report()));
+}
+
+void RenderSession::conclude(Run& run, const Snapshot& end, SessionResult& result) {
     result.passes = end.film.passes();
     result.statistics = statistics(end, result.reason);
     if (result.passes == 0) return;
-    saveCheckpoint(end, progress);
-    result.checkpointFailure = checkpointFailure_;
-    result.written = outputs_.writeOrRescue(frame(end));
+    saveCheckpoint(run, end);
+    result.checkpointFailure = run.checkpointFailure;
+    if (!run.outputs.files().empty()) result.written = run.outputs.writeOrRescue(frame(end));
 }
 
-void RenderSession::saveWhatIsDue(const Snapshot& now, ProgressReporter& progress) {
-    if (now.report.seconds >= nextCheckpoint_) saveCheckpoint(now, progress);
-    if (!(options_.saveEvery > 0) || now.report.seconds < nextSave_) return;
-    nextSave_ = now.report.seconds + options_.saveEvery;
-    for (const std::string& failure : outputs_.write(frame(now))) {
-        progress.finish();
-        spdlog::warn("intermediate image: {}", failure);
-    }
+void RenderSession::saveWhatIsDue(Run& run, const Snapshot& now) {
+    if (now.report.seconds >= run.nextCheckpoint) saveCheckpoint(run, now);
+    if (!(run.options.saveEvery > 0) || now.report.seconds < run.nextSave || run.outputs.files().empty())
+        return;
+    run.nextSave = now.report.seconds + run.options.saveEvery;
+    for (const std::string& failure : run.outputs.write(frame(now)))
+        run.warn("intermediate image: " + failure);
 }
 
-void RenderSession::saveCheckpoint(const Snapshot& now, ProgressReporter& progress) {
-    const std::filesystem::path& file = options_.checkpoint.file;
+void RenderSession::saveCheckpoint(Run& run, const Snapshot& now) {
+    const std::filesystem::path& file = run.options.checkpoint.file;
     if (file.empty()) return;
-    nextCheckpoint_ = now.report.seconds + options_.checkpoint.every;
+    run.nextCheckpoint = now.report.seconds + run.options.checkpoint.every;
     try {
-        writeCheckpoint(file, checkpoint(now));
-        checkpointFailure_.clear();
+        writeCheckpoint(file, checkpoint(run.options, now));
+        run.checkpointFailure.clear();
     } catch (const std::exception& problem) {
-        checkpointFailure_ = problem.what();
-        progress.finish();
-        spdlog::warn("checkpoint: {}", checkpointFailure_);
+        run.checkpointFailure = problem.what();
+        run.warn("checkpoint: " + run.checkpointFailure);
     }
 }
 
-Checkpoint RenderSession::checkpoint(const Snapshot& now) const {
+Checkpoint RenderSession::checkpoint(const RunOptions& options, const Snapshot& now) const {
     Checkpoint c;
     c.version = options_.version;
-    c.command = options_.checkpoint.command;
-    c.folder = options_.checkpoint.folder;
-    for (const std::filesystem::path& output : options_.outputs) c.outputs.push_back(output.string());
-    c.limits = options_.limits;
+    c.command = options.checkpoint.command;
+    c.folder = options.checkpoint.folder;
+    for (const std::filesystem::path& output : options.outputs) c.outputs.push_back(output.string());
+    c.limits = options.limits;
     c.identity = identity().dump();
     c.seconds = now.report.seconds;
     c.rays = now.rays;
@@ -188,24 +236,26 @@ Checkpoint RenderSession::checkpoint(const Snapshot& now) const {
 }
 
 RayStatistics RenderSession::rays() const {
-    RayStatistics rays = Intersector::statistics();
-    rays.intersectRays += raysBefore_.intersectRays;
-    rays.shadowRays += raysBefore_.shadowRays;
-    rays.secondsInEmbree += raysBefore_.secondsInEmbree;
+    RayStatistics rays = raysBefore_;
+    if (!counting_) return rays;
+    const RayStatistics now = Intersector::statistics();
+    rays.intersectRays += now.intersectRays - counterStart_.intersectRays;
+    rays.shadowRays += now.shadowRays - counterStart_.shadowRays;
+    rays.secondsInEmbree += now.secondsInEmbree - counterStart_.secondsInEmbree;
     return rays;
 }
 
-RenderedFrame RenderSession::frame(const Snapshot& now) const {
+RenderedFrame RenderSession::frame(const Snapshot& now) {
     RenderedFrame frame;
     const PassReport& report = now.report;
     frame.image = {now.film.width(), now.film.height(), 3, now.film.image()};
-    frame.layers = cameraLayers_;
+    frame.layers = cameraLayers();
     for (Aov aov : options_.aovs)
         if (aov == Aov::Variance) frame.layers.push_back(varianceLayer(now.film));
     const FilmWindow& w = now.film.window();
     frame.metadata = {
         {"Software", "Metrolux " + options_.version},
-        {"metrolux:scene", scene_.parts().source},
+        {"metrolux:scene", scene_->parts().source},
         {"metrolux:integrator", options_.integrator},
         {"metrolux:passes", static_cast<int>(report.passes)},
         {"metrolux:seconds", report.seconds},
@@ -225,7 +275,7 @@ nlohmann::json nonFiniteCounts(const Film& film) {
     return counts;
 }
 
-nlohmann::json RenderSession::statistics(const Snapshot& now, StopReason reason) const {
+nlohmann::json RenderSession::statistics(const Snapshot& now, std::optional<StopReason> reason) const {
     const PassReport& report = now.report;
     const RayStatistics& traced = now.rays;
     const int threads = tbb::this_task_arena::max_concurrency();
@@ -233,14 +283,14 @@ nlohmann::json RenderSession::statistics(const Snapshot& now, StopReason reason)
     const FilmWindow& w = film_.window();
     return {
         {"version", options_.version},
-        {"scene", scene_.parts().source},
+        {"scene", scene_->parts().source},
         {"integrator", options_.integrator},
         {"parameters", parameters_},
         {"seed", options_.common.seed},
         {"threads", threads},
         {"window", {{"x", w.x}, {"y", w.y}, {"width", w.width}, {"height", w.height}}},
         {"image", {{"width", w.fullWidth}, {"height", w.fullHeight}}},
-        {"stop_reason", stopReasonName(reason)},
+        {"stop_reason", reason ? nlohmann::json(stopReasonName(*reason)) : nlohmann::json()},
         {"passes", report.passes},
         {"seconds", seconds},
         {"seconds_for_aovs", secondsForAovs_},
@@ -248,8 +298,7 @@ nlohmann::json RenderSession::statistics(const Snapshot& now, StopReason reason)
         {"rays",
          {{"intersect", traced.intersectRays},
           {"shadow", traced.shadowRays},
-          {"per_second",
-           seconds > 0 ? static_cast<double>(traced.intersectRays + traced.shadowRays) / seconds : 0.0},
+          {"per_second", core::raysPerSecond(traced, seconds)},
           {"share_of_time", seconds > 0 ? traced.secondsInEmbree / (seconds * threads) : 0.0}}},
         {"peak_memory_bytes", peakMemoryBytes()},
         {"non_finite", nonFiniteCounts(now.film)},

@@ -1,42 +1,58 @@
 #pragma once
-/// Renders a scene from the first pass to the files on disk.
+/// Renders a scene from the first pass to the files on disk, or pass by pass.
 
 #include "integrators/scene_choice.h"
 #include "render/aov.h"
 #include "render/checkpoint.h"
 #include "render/output.h"
 #include "render/pass_loop.h"
-#include "render/progress.h"
 #include "render/streams.h"
 #include "render/team.h"
 
 #include <nlohmann/json.hpp>
 
+#include <functional>
+#include <memory>
+#include <optional>
+
 namespace metrolux::core {
 
-/// Where and when the state is saved, and what a later process needs to know.
-struct CheckpointOptions {
-    std::filesystem::path file;        ///< empty: no checkpoints
-    double every = 300;                ///< seconds between two; the last is written at the end
-    std::vector<std::string> command;  ///< Checkpoint::command
-    std::string folder;                ///< Checkpoint::folder
-    nlohmann::json scene;              ///< part of the identity: files and options of the scene
-};
-
+/// What is rendered and how: the image depends on nothing else.
 struct SessionOptions {
     std::string integrator = kDefaultIntegrator;  ///< as for chooseIntegrator()
     ParameterValues parameters;                   ///< in place of the scene's and of the defaults
     CommonOptions common;
-    RenderLimits limits;
+    std::vector<Aov> aovs;
+    std::string version;  ///< for statistics, metadata and checkpoints
+    /// Files and options of the scene, for identity(), asked once; default: null.
+    std::function<nlohmann::json()> scene;
+    int rank = 0;          ///< in a team: files are written by rank 0
+    StreamChoice streams;  ///< the passes of a limit are those of all streams together
+};
+
+/// Where and when the state is saved, and what a later process needs to know.
+struct CheckpointOptions {
+    std::filesystem::path file;              ///< empty: no checkpoints
+    double every = kDefaultCheckpointEvery;  ///< seconds between two; the last is written at the end
+    std::vector<std::string> command;        ///< Checkpoint::command
+    std::string folder;                      ///< Checkpoint::folder
+};
+
+/// When a run ends, and what it writes.
+struct RunOptions {
+    RenderLimits limits;  ///< of all runs of the session together
     std::vector<std::filesystem::path> outputs;
     OutputSet::Display display;
-    bool overwrite = false;  ///< images of other programs too
-    std::vector<Aov> aovs;
-    double saveEvery = 60;  ///< seconds between intermediate images; 0: none
-    std::string version;    ///< for statistics and metadata
+    bool overwrite = false;                ///< images of other programs too
+    double saveEvery = kDefaultSaveEvery;  ///< seconds between intermediate images; 0: none
     CheckpointOptions checkpoint;
-    int rank = 0;          ///< in a team: files are written by rank 0
-    StreamChoice streams;  ///< limits.passes are those of all streams together
+};
+
+/// Who watches a run. All are called by the thread that runs it, between passes.
+struct RunHooks {
+    std::function<bool()> interrupted;  ///< default: never
+    std::function<void(const PassReport&, double raysPerSecond, const std::string& note)> afterPass;
+    std::function<void(const std::string&)> warn;  ///< of what went wrong without ending the run
 };
 
 struct SessionResult {
@@ -50,33 +66,53 @@ struct SessionResult {
 /// Contributions that were not finite, by technique, for statistics.
 nlohmann::json nonFiniteCounts(const Film& film);
 
+/// A rendering in progress. It owns what it renders: the scene lives as long as one of its users does.
 class RenderSession {
   public:
-    /// Throws Error when the integrator is unknown or an output could not be written: before any work is
-    /// done.
-    RenderSession(const Scene& scene, SessionOptions options);
+    /// Throws Error when the integrator is unknown or refuses the scene.
+    RenderSession(const std::shared_ptr<const Scene>& scene, const SessionOptions& options);
     /// With an integrator made elsewhere; options.integrator is its name in the statistics.
-    RenderSession(const Scene& scene, SessionOptions options, std::unique_ptr<Integrator> integrator);
+    RenderSession(std::shared_ptr<const Scene> scene, SessionOptions options,
+                  std::unique_ptr<Integrator> integrator);
 
-    /// Renders until a limit is reached or `interrupted` says so (asked between passes), and writes the
-    /// files.
+    /// Renders until a limit is reached or somebody interrupts, and writes the files. May be called again
+    /// with further limits. Throws Error when an output could not be written, before any work is done.
     ///
     /// A checkpoint that cannot be written is warned of and tried again after the next interval.
-    SessionResult run(ProgressReporter& progress, const std::function<bool()>& interrupted);
+    SessionResult run(const RunOptions& options, const RunHooks& hooks);
 
     /// As run(), together with other processes, which share the streams; all of them call it. Rank 0 writes
     /// the files and has the result, the others' only says why they stopped. There is no error limit.
-    SessionResult runTogether(Team& team, ProgressReporter& progress,
-                              const std::function<bool()>& interrupted);
+    SessionResult runTogether(Team& team, const RunOptions& options, const RunHooks& hooks);
+
+    /// Renders one pass.
+    PassReport step();
 
     /// What the image depends on, scene files and options: Checkpoint::identity.
     nlohmann::json identity() const;
-    /// Before run(): goes on from a checkpoint. Throws Error when it is one of another rendering.
+    /// Before the first pass: goes on from a checkpoint. Throws Error when it is one of another rendering.
     void restore(Checkpoint checkpoint);
+    /// The state between two passes. `options` name what a later process needs to know.
+    Checkpoint checkpoint(const RunOptions& options) const;
+
+    // What has been rendered so far.
+    const Scene& scene() const { return *scene_; }
+    const std::shared_ptr<const Scene>& sharedScene() const { return scene_; }
+    const SessionOptions& options() const { return options_; }
+    const Film& film() const { return film_; }
+    PassReport report() const;
+    double raysPerSecond() const;
+    std::string progressNote() const { return integrator_.progressNote(); }
+    nlohmann::json statistics() const;
+    /// The image with its layers and metadata.
+    RenderedFrame frame();
+    /// Layers of the camera's first surfaces, of those that options().aovs names; rendered at the first call.
+    const std::vector<ImageLayer>& cameraLayers();
 
   private:
-    RenderSession(const Scene& scene, SessionOptions options, const IntegratorChoice& choice);
-    RenderSession(const Scene& scene, SessionOptions options, nlohmann::json parameters,
+    RenderSession(const std::shared_ptr<const Scene>& scene, const SessionOptions& options,
+                  const IntegratorChoice& choice);
+    RenderSession(std::shared_ptr<const Scene> scene, SessionOptions options, nlohmann::json parameters,
                   StreamedIntegrator::Make make);
     /// What has been rendered, by this process or by a team.
     struct Snapshot {
@@ -85,30 +121,43 @@ class RenderSession {
         RayStatistics rays;
         std::function<std::vector<StreamState>()> streams;
     };
+    /// A run in progress.
+    struct Run {
+        const RunOptions& options;
+        const RunHooks& hooks;
+        OutputSet outputs;
+        double nextSave, nextCheckpoint;
+        std::string checkpointFailure;
+        void warn(const std::string& message) const {
+            if (hooks.warn) hooks.warn(message);
+        }
+    };
+    Run begin(const RunOptions& options, const RunHooks& hooks);
+    void end(double seconds);
     Snapshot here(const PassReport& report) const;
-    RenderedFrame frame(const Snapshot& now) const;
-    nlohmann::json statistics(const Snapshot& now, StopReason reason) const;
-    void saveWhatIsDue(const Snapshot& now, ProgressReporter& progress);
-    void saveCheckpoint(const Snapshot& now, ProgressReporter& progress);
-    void conclude(const Snapshot& end, SessionResult& result, ProgressReporter& progress);
-    Checkpoint checkpoint(const Snapshot& now) const;
-    void begin();
-    void shareStreams(Team& team);
-    void report(const TeamResult& all, double seconds, SessionResult& result, ProgressReporter& progress);
+    RenderedFrame frame(const Snapshot& now);
+    nlohmann::json statistics(const Snapshot& now, std::optional<StopReason> reason) const;
+    void saveWhatIsDue(Run& run, const Snapshot& now);
+    void saveCheckpoint(Run& run, const Snapshot& now);
+    void conclude(Run& run, const Snapshot& end, SessionResult& result);
+    Checkpoint checkpoint(const RunOptions& options, const Snapshot& now) const;
+    void shareStreams(Team& team, const RenderLimits& limits);
+    void report(Run& run, const TeamResult& all, double seconds, SessionResult& result);
     std::unique_ptr<Film> merged(const TeamResult& result) const;
     RayStatistics rays() const;
 
-    const Scene& scene_;
+    std::shared_ptr<const Scene> scene_;
     SessionOptions options_;
-    nlohmann::json parameters_;  ///< of the integrator, by name
-    OutputSet outputs_;
+    nlohmann::json parameters_;                            ///< of the integrator, by name
+    mutable std::optional<nlohmann::json> sceneIdentity_;  ///< files are read once for it
     Film film_;
     StreamedIntegrator integrator_;
-    std::vector<ImageLayer> cameraLayers_;
-    double nextSave_ = 0, nextCheckpoint_ = 0, secondsForAovs_ = 0;
-    double secondsBefore_ = 0;  ///< of the processes before this one
-    RayStatistics raysBefore_;
-    std::string checkpointFailure_;
+    std::optional<std::vector<ImageLayer>> cameraLayers_;
+    double secondsForAovs_ = 0;
+    double secondsBefore_ = 0;  ///< of the runs and processes before
+    RayStatistics raysBefore_, counterStart_;
+    bool counting_ = false;  ///< rays are being traced: the counters since counterStart_ are this session's
+    std::optional<StopReason> lastReason_;
 };
 
 }  // namespace metrolux::core

@@ -11,7 +11,7 @@ namespace metrolux::core {
 namespace {
 
 /// Time between two meetings: what is written next decides.
-double meetingInterval(const SessionOptions& options) {
+double meetingInterval(const RunOptions& options) {
     double interval = kInfinity;
     if (options.saveEvery > 0) interval = options.saveEvery;
     if (!options.checkpoint.file.empty()) interval = std::min(interval, options.checkpoint.every);
@@ -22,9 +22,9 @@ double meetingInterval(const SessionOptions& options) {
 
 /// With a number of passes, a rank takes the next stream when it has finished one. Without, time is the
 /// limit, and each rank keeps its own streams, in turns.
-void RenderSession::shareStreams(Team& team) {
+void RenderSession::shareStreams(Team& team, const RenderLimits& limits) {
     const StreamChoice& choice = options_.streams;
-    if (options_.limits.passes > 0) {
+    if (limits.passes > 0) {
         integrator_.setNext([&]() -> std::optional<uint32_t> {
             while (true) {
                 const uint64_t stream = uint64_t{choice.first} + team.takeNumber();
@@ -51,29 +51,28 @@ std::unique_ptr<Film> RenderSession::merged(const TeamResult& result) const {
     return film;
 }
 
-SessionResult RenderSession::runTogether(Team& team, ProgressReporter& progress,
-                                         const std::function<bool()>& interrupted) {
-    if (options_.limits.relativeError > 0)
+SessionResult RenderSession::runTogether(Team& team, const RunOptions& options, const RunHooks& hooks) {
+    if (options.limits.relativeError > 0)
         throw Error(
             "--error: several processes know the error of their own passes only; give --time or --passes");
     team.checkSame(identity().dump(), "rendering");
-    begin();
-    shareStreams(team);
+    Run run = begin(options, hooks);
+    shareStreams(team, options.limits);
     const double start = steadySeconds() - secondsBefore_;
     const auto seconds = [start] { return steadySeconds() - start; };
-    const double interval = meetingInterval(options_);
-    const bool keepsStreams = !options_.checkpoint.file.empty();
+    const double interval = meetingInterval(options);
+    const bool keepsStreams = !options.checkpoint.file.empty();
     double nextMeeting = seconds() + interval;
     bool working = true, stopped = false;
     SessionResult result;
     while (true) {
-        stopped = stopped || interrupted();
-        const bool inTime = !(options_.limits.seconds > 0) || seconds() < options_.limits.seconds;
+        stopped = stopped || (hooks.interrupted && hooks.interrupted());
+        const bool inTime = !(options.limits.seconds > 0) || seconds() < options.limits.seconds;
         working = working && !stopped && inTime && integrator_.advance();
         if (working) {
             integrator_.renderPass(film_);
-            if (team.rank() == 0)
-                progress.update({film_.passes(), seconds(), kInfinity, -1}, 0, integrator_.progressNote());
+            if (team.rank() == 0 && hooks.afterPass)
+                hooks.afterPass({film_.passes(), seconds(), kInfinity, -1}, 0, integrator_.progressNote());
             if (seconds() < nextMeeting) continue;
         }
         std::vector<StreamState> own;
@@ -81,17 +80,18 @@ SessionResult RenderSession::runTogether(Team& team, ProgressReporter& progress,
         const TeamResult all = team.meet({film_, std::move(own), rays(), working, stopped});
         nextMeeting = seconds() + interval;
         stopped = all.interrupted;
-        result.reason = stopped                                ? StopReason::Interrupted
-                        : options_.limits.passes > 0 && inTime ? StopReason::Passes
-                                                               : StopReason::Time;
-        if (team.rank() == 0) report(all, seconds(), result, progress);
-        if (!all.working) return result;
+        result.reason = stopped                               ? StopReason::Interrupted
+                        : options.limits.passes > 0 && inTime ? StopReason::Passes
+                                                              : StopReason::Time;
+        if (team.rank() == 0) report(run, all, seconds(), result);
+        if (all.working) continue;
+        end(seconds());
+        return result;
     }
 }
 
 /// Rank 0, after a meeting.
-void RenderSession::report(const TeamResult& all, double seconds, SessionResult& result,
-                           ProgressReporter& progress) {
+void RenderSession::report(Run& run, const TeamResult& all, double seconds, SessionResult& result) {
     const std::unique_ptr<Film> film = merged(all);
     const auto streams = [&] {
         std::map<uint32_t, StreamState> states;
@@ -102,12 +102,10 @@ void RenderSession::report(const TeamResult& all, double seconds, SessionResult&
         return list;
     };
     const Snapshot now{*film, {film->passes(), seconds, film->relativeError(), -1}, all.rays, streams};
-    if (all.working) {
-        saveWhatIsDue(now, progress);
-    } else {
-        progress.finish();
-        conclude(now, result, progress);
-    }
+    if (all.working)
+        saveWhatIsDue(run, now);
+    else
+        conclude(run, now, result);
 }
 
 }  // namespace metrolux::core

@@ -47,8 +47,10 @@ class StreamedIntegrator final : public Integrator {
     using Next = std::function<std::optional<uint32_t>()>;
     static constexpr uint32_t kTurn = 8;
 
-    /// `totalPasses` of the rendering, all streams together; 0: no limit.
-    StreamedIntegrator(Make make, const StreamChoice& choice, uint32_t totalPasses);
+    StreamedIntegrator(Make make, const StreamChoice& choice, uint32_t totalPasses = 0);
+
+    /// Of the rendering, all streams together; 0: no limit.
+    void setTotalPasses(uint32_t passes) { totalPasses_ = passes; }
 
     /// In place of the order of streams (ranks of MPI share them).
     void setNext(Next next) { next_ = std::move(next); }

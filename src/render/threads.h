@@ -2,6 +2,8 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <optional>
+
 namespace metrolux::core {
 
 /// Limits how many threads work while it lives, Embree's building of its tree included.
@@ -18,6 +20,22 @@ class ThreadLimit {
   private:
     int threads_;
     tbb::global_control control_;
+    tbb::task_arena arena_;
+};
+
+/// Threads for the work of one of several that may be at work in a process: no limit for the others.
+class Workers {
+  public:
+    /// 0: one thread for each core.
+    explicit Workers(int threads);
+    int threads() const { return arena_.max_concurrency(); }
+    template <class Body>
+    auto execute(Body&& body) {
+        return arena_.execute(body);
+    }
+
+  private:
+    std::optional<tbb::global_control> more_;  ///< than there are cores
     tbb::task_arena arena_;
 };
 

@@ -17,11 +17,39 @@ constexpr float kShadowEpsilon = 1e-5f;
 Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     if (!parts_.camera) throw Error("{}: the scene has no sensor", parts_.source);
     try {
-        intersector_ = std::make_unique<Intersector>(parts_.shapes, parts_.instances);
+        intersector_ = std::make_shared<const Intersector>(parts_.shapes, parts_.instances);
     } catch (const Error& error) {
         throw Error("{}: {}", parts_.source, error.what());
     }
+    findBounds();
+    for (const LightPtr& light : parts_.lights) light->setSceneBounds(bounds_);
+    chooseLights();
+}
 
+Scene::Scene(const Scene& other, SceneView view) : parts_(other.parts_), intersector_(other.intersector_) {
+    parts_.camera = std::move(view.camera);
+    parts_.limits = view.limits;
+    parts_.filterKind = view.filterKind;
+    parts_.filter = view.filter;
+    findBounds();
+    if (bounds_ == other.bounds_) {
+        environment_ = other.environment_;
+        emission_ = other.emission_;
+        connection_ = other.connection_;
+        lightIndex_ = other.lightIndex_;
+        return;
+    }
+    // Infinite lights know the bounds, and those of `other` keep theirs. No shape refers to them.
+    for (LightPtr& light : parts_.lights) {
+        if (!light->isInfinite()) continue;
+        light = light->copy();
+        light->setSceneBounds(bounds_);
+    }
+    chooseLights();
+}
+
+/// All surfaces and the camera.
+void Scene::findBounds() {
     Vec3f lower, upper;
     intersector_->bounds(lower, upper);
     const Vec3f eye = parts_.camera->position();
@@ -32,11 +60,12 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     }
     bounds_.center = (lower + upper) * 0.5f;
     bounds_.radius = std::max((upper - lower).length() * 0.5f, 1e-6f) * 1.001f;
-    parts_.camera->setSceneBounds(bounds_.center, bounds_.radius);
+}
 
+/// The lights know the bounds.
+void Scene::chooseLights() {
     std::vector<double> powers;
     for (const LightPtr& light : parts_.lights) {
-        light->setSceneBounds(bounds_);
         if (light->isEnvironment()) {
             if (environment_) throw Error("{}: more than one environment emitter", parts_.source);
             environment_ = light.get();
@@ -51,7 +80,7 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     }
     if (!powers.empty()) emission_ = DiscreteDistribution(mixedWithEven(powers, 0.1));
     try {
-        connection_ = std::make_unique<LightSelector>(parts_.lights, bounds_);
+        connection_ = std::make_shared<const LightSelector>(parts_.lights, bounds_);
     } catch (const Error& error) {
         throw Error("{}: {}", parts_.source, error.what());
     }

@@ -44,11 +44,24 @@ struct SceneParts {
     std::string source;  ///< file name
 };
 
+/// What a scene may have instead of another one's, with which it shares the rest.
+struct SceneView {
+    CameraPtr camera;
+    PathLimits limits;
+    ReconstructionFilter::Kind filterKind = ReconstructionFilter::Kind::Gaussian;
+    ReconstructionFilter::Parameters filter;
+};
+
 /// Immutable after construction.
 class Scene {
   public:
     explicit Scene(SceneParts parts);
+    /// The same shapes, materials and lights, with the intersector of `other`, seen another way. To the bit
+    /// what its own parts with this view would make.
+    Scene(const Scene& other, SceneView view);
     ~Scene();
+    Scene(const Scene&) = delete;
+    Scene& operator=(const Scene&) = delete;
 
     bool intersect(const Ray& ray, SurfaceInteraction& si) const { return intersector_->intersect(ray, si); }
     /// Whether the segment between two surface points is free. The normals (zero when there is none) serve to
@@ -88,12 +101,15 @@ class Scene {
     float emissionProbability(const Light* light) const;
 
   private:
+    void findBounds();
+    void chooseLights();
+
     SceneParts parts_;
-    std::unique_ptr<Intersector> intersector_;
+    std::shared_ptr<const Intersector> intersector_;
     SceneBounds bounds_;
     const Light* environment_ = nullptr;
     DiscreteDistribution emission_;
-    std::unique_ptr<const LightSelector> connection_;
+    std::shared_ptr<const LightSelector> connection_;
     std::unordered_map<const Light*, uint32_t> lightIndex_;
 };
 

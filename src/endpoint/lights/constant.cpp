@@ -11,6 +11,7 @@ class ConstantLight final : public InfiniteLight {
         requireEmission(radiance_, "constant");
     }
 
+    LightPtr copy() const override { return std::make_shared<ConstantLight>(*this); }
     float power() const override { return luminance(radiance_) * (4 * kPi) * diskArea(); }
     bool isDelta() const override { return false; }
     bool isEnvironment() const override { return true; }

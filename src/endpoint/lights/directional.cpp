@@ -14,6 +14,7 @@ class DirectionalLight final : public InfiniteLight {
             throw Error("directional light: the direction has no length");
     }
 
+    LightPtr copy() const override { return std::make_shared<DirectionalLight>(*this); }
     float power() const override { return luminance(irradiance_) * diskArea(); }
     bool isDelta() const override { return true; }
 

@@ -30,6 +30,7 @@ class EnvironmentMap final : public InfiniteLight {
         makeTable();
     }
 
+    LightPtr copy() const override { return std::make_shared<EnvironmentMap>(*this); }
     float power() const override { return meanLuminance_ * (4 * kPi) * diskArea(); }
     bool isDelta() const override { return false; }
     bool isEnvironment() const override { return true; }

@@ -12,6 +12,7 @@ class InfiniteLight : public Light {
   public:
     bool isInfinite() const override { return true; }
     void setSceneBounds(const SceneBounds& bounds) override { bounds_ = bounds; }
+    LightPtr copy() const override = 0;
 
   protected:
     float diskArea() const { return kPi * sqr(bounds_.radius); }

@@ -69,6 +69,11 @@ class SunSky final : public InfiniteLight {
         InfiniteLight::setSceneBounds(bounds);
         if (sky_) sky_->setSceneBounds(bounds);
     }
+    LightPtr copy() const override {
+        auto result = std::make_shared<SunSky>(*this);
+        if (sky_) result->sky_ = sky_->copy();
+        return result;
+    }
 
     Rgb environmentRadiance(const Vec3f& w) const override {
         if (dot(w, up_) < cosHorizon_) return Rgb(0.0f);

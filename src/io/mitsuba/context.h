@@ -64,6 +64,14 @@ void addShape(const Element& element, LoadContext& context, SceneParts& parts); 
 void readIntegrator(const Element& element, LoadContext& context,
                     SceneParts& parts);  // plugins_integrator.cpp
 
+// The types that these know.
+std::vector<std::string> bsdfTypes();
+std::vector<std::string> textureTypes();
+std::vector<std::string> emitterTypes();
+std::vector<std::string> sensorTypes();
+std::vector<std::string> filmTypes();
+std::vector<std::string> shapeTypes();
+
 /// A property that may be a number, a color, a spectrum or a texture: reflectance-like, converted as such.
 TexturePtr textureProperty(const Element& element, const std::string& name, LoadContext& context,
                            const Rgb& fallback);

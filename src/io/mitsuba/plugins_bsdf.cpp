@@ -389,15 +389,19 @@ const std::vector<std::pair<std::string, Factory>> kFactories = {
 };
 
 BsdfPtr unknown(const Element& element, LoadContext& context) {
-    std::vector<std::string> names;
-    for (const auto& [name, factory] : kFactories) names.push_back(name);
-    const std::string message = unknownPlugin(element, "BSDF", names);
+    const std::string message = unknownPlugin(element, "BSDF", bsdfTypes());
     if (!context.lenient) throw element.error(message);
     context.warn(element, message + " (a gray diffuse surface stands in)");
     return makeDiffuse({makeConstantTexture(Rgb(0.5f))});
 }
 
 }  // namespace
+
+std::vector<std::string> bsdfTypes() {
+    std::vector<std::string> names;
+    for (const auto& [name, factory] : kFactories) names.push_back(name);
+    return names;
+}
 
 BsdfPtr makeBsdf(const Element& element, LoadContext& context) {
     if (const auto found = context.built.find(&element); found != context.built.end())

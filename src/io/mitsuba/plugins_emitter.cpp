@@ -128,6 +128,8 @@ void readSamplingWeight(const Element& element, LoadContext& context) {
 
 }  // namespace
 
+std::vector<std::string> emitterTypes() { return kEmitterTypes; }
+
 LightPtr makeLight(const Element& element, LoadContext& context) {
     LightPtr (*make)(const Element&, LoadContext&) = nullptr;
     if (element.type == "point") make = makePoint;

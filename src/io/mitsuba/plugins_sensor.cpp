@@ -7,6 +7,8 @@ namespace metrolux::core::mitsuba {
 namespace {
 
 constexpr int64_t kMaxPixels = int64_t(1) << 28;
+const std::vector<std::string> kSensorTypes = {"perspective", "thinlens", "orthographic"};
+const std::vector<std::string> kFilmTypes = {"hdrfilm", "specfilm", "ldrfilm"};
 constexpr uint64_t kFilmPixelBytes = 128;  // allowance for what a Film keeps of one
 
 /// The unnamed child with a tag; null if there is none, Error if there are several.
@@ -206,11 +208,14 @@ CameraPtr makeOrthographic(const Element& element, LoadContext& context, const F
 
 }  // namespace
 
+std::vector<std::string> sensorTypes() { return kSensorTypes; }
+std::vector<std::string> filmTypes() { return kFilmTypes; }
+
 CameraPtr makeCamera(const Element& element, LoadContext& context, SceneParts& parts) {
-    const std::vector<std::string> types = {"perspective", "thinlens", "orthographic"};
-    const bool isKnown = std::find(types.begin(), types.end(), element.type) != types.end();
+    const bool isKnown =
+        std::find(kSensorTypes.begin(), kSensorTypes.end(), element.type) != kSensorTypes.end();
     if (!isKnown) {
-        const std::string message = unknownPlugin(element, "sensor", types);
+        const std::string message = unknownPlugin(element, "sensor", kSensorTypes);
         if (!context.lenient) throw element.error(message);
         context.warn(element, message + " (read as perspective)");
     }

@@ -1,7 +1,7 @@
 /// Shapes: Mitsuba 3's plugins, parameters and defaults.
 
 #include "geometry/affine.h"
-#include "io/mesh_io.h"
+#include "io/mesh_arrays.h"
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/heightfield.h"
 #include "io/mitsuba/mesh_attributes.h"
@@ -73,6 +73,11 @@ ShapePtr makeSerializedShape(const Element& element, LoadContext& context) {
                     });
 }
 
+/// Of a program: the arrays go the way of a file's.
+ShapePtr makeMeshShape(const Element& element, LoadContext& context) {
+    return meshOfArrays(element.requiredArrays("arrays"), meshOptions(element, context, false));
+}
+
 ShapePtr makeSphereShape(const Element& element, LoadContext&) {
     const Placement placement(element);
     // A map that mirrors turns the normals in 2.x and 3.x, but not in 0.6.
@@ -103,6 +108,7 @@ constexpr Plugin kPlugins[] = {
     {"obj", makeObjShape},          {"ply", makePlyShape},           {"serialized", makeSerializedShape},
     {"sphere", makeSphereShape},    {"cylinder", makeCylinderShape}, {"rectangle", makePlaced<makeRectangle>},
     {"disk", makePlaced<makeDisk>}, {"cube", makePlaced<makeCube>},  {"heightfield", makeHeightfield},
+    {"mesh", makeMeshShape},
 };
 constexpr const char* kGroup = "shapegroup";
 constexpr const char* kInstance = "instance";
@@ -178,9 +184,7 @@ const Plugin* findPlugin(const Element& element, LoadContext& context) {
     const auto* plugin = std::find_if(std::begin(kPlugins), std::end(kPlugins),
                                       [&](const Plugin& p) { return element.type == p.type; });
     if (plugin != std::end(kPlugins)) return plugin;
-    std::vector<std::string> names = {kGroup, kInstance, kMerge};
-    for (const Plugin& p : kPlugins) names.emplace_back(p.type);
-    const std::string message = unknownPlugin(element, "shape", names);
+    const std::string message = unknownPlugin(element, "shape", shapeTypes());
     if (!context.lenient) throw element.error(message);
     context.warn(element, message + " (the shape is left out)");
     return nullptr;
@@ -294,6 +298,12 @@ void addMerged(const Element& element, LoadContext& context, SceneParts& parts) 
 }
 
 }  // namespace
+
+std::vector<std::string> shapeTypes() {
+    std::vector<std::string> names = {kGroup, kInstance, kMerge};
+    for (const Plugin& p : kPlugins) names.emplace_back(p.type);
+    return names;
+}
 
 void addShape(const Element& element, LoadContext& context, SceneParts& parts) {
     if (element.type == kGroup)

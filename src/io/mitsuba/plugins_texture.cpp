@@ -221,6 +221,8 @@ TexturePtr makeTexture(const Element& element, LoadContext& context, bool emissi
     return result;
 }
 
+std::vector<std::string> textureTypes() { return knownTypes(); }
+
 TexturePtr textureProperty(const Element& element, const std::string& name, LoadContext& context,
                            const Rgb& fallback) {
     const Property* property = element.find(name);

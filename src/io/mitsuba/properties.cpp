@@ -25,6 +25,7 @@ std::string describe(const Property& property) {
         std::string operator()(const Transform&) const { return "a transform"; }
         std::string operator()(const RgbValue&) const { return "a color"; }
         std::string operator()(const SpectrumValue&) const { return "a spectrum"; }
+        std::string operator()(const MeshArrays&) const { return "the arrays of a mesh"; }
         std::string operator()(const ElementPtr& v) const {
             return v ? fmt::format("a <{} type=\"{}\">", v->tag, v->type) : std::string("nothing");
         }
@@ -107,6 +108,12 @@ Transform Element::transform(const std::string& name, bool mayFlatten) const {
         throw error(*property,
                     "the matrix is singular (does something scale by 0?), expected an invertible map");
     return value ? *value : Transform();
+}
+
+const MeshArrays& Element::requiredArrays(const std::string& name) const {
+    const MeshArrays* value = typed<MeshArrays>(*this, find(name), "the arrays of a mesh");
+    if (!value) throw error("has no arrays, which only a program can give it; expected a type with a file");
+    return *value;
 }
 
 ElementPtr Element::child(const std::string& name) const {

@@ -13,17 +13,23 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
 
 namespace metrolux::core::mitsuba {
 
-/// Where something stands, for messages: "scene.xml:12".
+/// Where something stands, for messages: "scene.xml:12", or "scene:lamp.emitter" in one that was made in
+/// code.
 struct Location {
     std::string file;
     int line = 0;
-    std::string str() const { return file + ":" + std::to_string(line); }
+    std::string path = {};  ///< in place of the line, empty for the whole
+    std::string str() const {
+        if (line > 0) return file + ":" + std::to_string(line);
+        return path.empty() ? file : file + ":" + path;
+    }
 };
 
 class Element;
@@ -41,8 +47,23 @@ struct SpectrumValue {
     float blackbodyKelvin = 0;  ///< > 0: Planck's law, `values[0]` is the scale
 };
 
+/// The arrays of a mesh that was made in code, as their owner keeps them.
+struct MeshArrays {
+    std::span<const float> positions, normals;  ///< three numbers per vertex; normals may be empty
+    std::span<const float> uvs;                 ///< two per vertex, or empty
+    std::span<const uint32_t> triangles;        ///< three vertices each
+    struct Attribute {
+        std::string name;  ///< TriangleMesh::Attribute
+        int channels;
+        std::span<const float> values;
+    };
+    std::vector<Attribute> attributes;
+    std::shared_ptr<const void> owner;
+};
+
 struct Property {
-    std::variant<bool, int64_t, double, std::string, Vec3f, Transform, RgbValue, SpectrumValue, ElementPtr>
+    std::variant<bool, int64_t, double, std::string, Vec3f, Transform, RgbValue, SpectrumValue, ElementPtr,
+                 MeshArrays>
         value;
     Location location;
     mutable bool used = false;
@@ -79,6 +100,7 @@ class Element {
     Vec3f vector(const std::string& name, const Vec3f& fallback) const;  ///< <point> or <vector>
     /// Identity if absent. Throws for a singular map, unless it `mayFlatten`.
     Transform transform(const std::string& name, bool mayFlatten = false) const;
+    const MeshArrays& requiredArrays(const std::string& name) const;
     /// A nested or referenced element under this name, or null.
     ElementPtr child(const std::string& name) const;
     /// All elements with the tag ("bsdf", "emitter", ...), named or not, in order of appearance; marked used.

@@ -37,9 +37,10 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
      {"base", "sampling", "image", "geometry", "scattering", "endpoint", "scene", "integrators", "io"}},
     {"study",
      {"base", "image", "geometry", "endpoint", "scene", "transport", "wavefront", "integrators", "render"}},
+    {"api", {"base", "image", "geometry", "endpoint", "scene", "integrators", "io", "render"}},
     {"app",
      {"base", "sampling", "image", "geometry", "scattering", "endpoint", "scene", "integrators", "io",
-      "render", "study"}},
+      "render", "study", "api"}},
 };
 
 struct Include {
@@ -90,9 +91,9 @@ TEST(ModuleOrder, IncludesPointUpwards) {
 }
 
 TEST(ModuleOrder, TheOrderItselfHasNoCycle) {
-    const std::vector<std::string> order = {"base",        "sampling", "image",     "geometry",  "scattering",
-                                            "endpoint",    "scene",    "transport", "wavefront", "markov",
-                                            "integrators", "io",       "render",    "study",     "app"};
+    const std::vector<std::string> order = {
+        "base",      "sampling", "image",       "geometry", "scattering", "endpoint", "scene", "transport",
+        "wavefront", "markov",   "integrators", "io",       "render",     "study",    "api",   "app"};
     std::set<std::string> above;
     for (const std::string& module : order) {
         for (const std::string& included : kMayInclude.at(module))

@@ -18,13 +18,13 @@ namespace fs = std::filesystem;
 /// its edges.
 class Session : public testing::Test {
   protected:
-    Session() : scene(parts()) {
+    Session() : scene(std::make_shared<const Scene>(parts())) {
         const auto* test = testing::UnitTest::GetInstance()->current_test_info();
         folder =
             fs::path(testing::TempDir()) / fmt::format("metrolux-session-{}-{}", test->name(), ::getpid());
         fs::create_directories(folder);
-        options.outputs = {folder / "a.exr", folder / "a.png"};
-        options.limits.passes = 3;
+        files.outputs = {folder / "a.exr", folder / "a.png"};
+        files.limits.passes = 3;
         options.integrator = "fake";
         options.version = "1.2.3";
     }
@@ -47,8 +47,7 @@ class Session : public testing::Test {
         std::unique_ptr<Integrator> integrator = std::make_unique<test::FakeIntegrator>(),
         const std::function<bool()>& interrupted = [] { return false; }) {
         RenderSession session(scene, options, std::move(integrator));
-        ProgressReporter silent(ProgressReporter::Mode::Silent);
-        return session.run(silent, interrupted);
+        return session.run(files, {interrupted, {}, {}});
     }
 
     /// Absorbs everything but has a color.
@@ -64,9 +63,10 @@ class Session : public testing::Test {
         bool hasSmoothLobe() const override { return true; }
         bool hasDeltaLobe() const override { return false; }
     };
-    Scene scene;
+    std::shared_ptr<const Scene> scene;
     fs::path folder;
     SessionOptions options;
+    RunOptions files;
 };
 
 TEST_F(Session, WritesImagesWithMetadata) {
@@ -131,17 +131,14 @@ TEST_F(Session, AovsAreLayers) {
 }
 
 TEST_F(Session, RefusesOutputsBeforeRendering) {
-    const auto construct = [this] {
-        RenderSession(scene, options, std::make_unique<test::FakeIntegrator>());
-    };
-    options.outputs = {folder / "absent" / "a.exr"};
-    EXPECT_THROW(construct(), Error);
-    options.outputs = {folder / "a.jpg"};
-    EXPECT_THROW(construct(), Error);
-    options.outputs = {folder / "a.exr", folder / "a.exr"};
-    EXPECT_THROW(construct(), Error);
-    options.outputs = {folder / "A.EXR"};
-    EXPECT_NO_THROW(construct());
+    files.outputs = {folder / "absent" / "a.exr"};
+    EXPECT_THROW(run(), Error);
+    files.outputs = {folder / "a.jpg"};
+    EXPECT_THROW(run(), Error);
+    files.outputs = {folder / "a.exr", folder / "a.exr"};
+    EXPECT_THROW(run(), Error);
+    files.outputs = {folder / "A.EXR"};
+    EXPECT_NO_THROW(run());
 }
 
 TEST_F(Session, InterruptedBeforeTheFirstPassWritesNothing) {
@@ -152,8 +149,8 @@ TEST_F(Session, InterruptedBeforeTheFirstPassWritesNothing) {
 }
 
 TEST_F(Session, SavesWhileItRenders) {
-    options.saveEvery = 1e-9;
-    options.limits.passes = 2;
+    files.saveEvery = 1e-9;
+    files.limits.passes = 2;
     bool savedAfterFirstPass = false;
     run(std::make_unique<test::FakeIntegrator>([&](uint32_t pass) {
         if (pass == 1) savedAfterFirstPass = fs::exists(folder / "a.exr");
@@ -167,7 +164,7 @@ TEST_F(Session, RescuesTheImageWhenItsFolderVanishes) {
     const fs::path gone = folder / "gone", elsewhere = folder / "elsewhere";
     fs::create_directories(gone);
     fs::create_directories(elsewhere);
-    options.outputs = {gone / "a.exr"};
+    files.outputs = {gone / "a.exr"};
     fs::current_path(elsewhere);
     const SessionResult result = run(std::make_unique<test::FakeIntegrator>([&](uint32_t) {
         fs::remove_all(gone);

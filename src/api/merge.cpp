@@ -1,0 +1,64 @@
+#include "render/merge.h"
+
+#include "api/internals.h"
+#include "api/log.h"
+
+#include <metrolux/version.h>
+
+namespace metrolux {
+namespace {
+
+core::RenderedFrame frameOf(const core::PartMerger& merger, const std::vector<std::string>& layers) {
+    core::RenderedFrame frame;
+    const core::Film& film = merger.film();
+    const nlohmann::json& identity = merger.identity();
+    frame.image = {film.width(), film.height(), 3, film.image()};
+    for (const std::string& layer : layers) {
+        if (core::aovFromName(layer) != core::Aov::Variance)
+            throw core::Error(
+                "--aov: of the layers only variance is in the parts; render the others with the scene");
+        frame.layers.push_back(core::varianceLayer(film));
+    }
+    frame.metadata = {{"Software", std::string("Metrolux ") + version()},
+                      {"metrolux:scene", identity["scene"]["name"].get<std::string>()},
+                      {"metrolux:integrator", identity["algorithm"]["integrator"].get<std::string>()},
+                      {"metrolux:passes", static_cast<int>(film.passes())},
+                      {"metrolux:seconds", merger.seconds()},
+                      {"metrolux:seed", identity["algorithm"]["seed"].dump()}};
+    return frame;
+}
+
+nlohmann::json statisticsOf(const core::PartMerger& merger, const std::vector<std::filesystem::path>& parts) {
+    nlohmann::json streams = nlohmann::json::object(), names = nlohmann::json::array();
+    for (const auto& [stream, passes] : merger.passes()) streams[std::to_string(stream)] = passes;
+    for (const std::filesystem::path& part : parts) names.push_back(part.string());
+    return {{"version", version()},
+            {"parts", names},
+            {"rendering", merger.identity()},
+            {"passes", merger.film().passes()},
+            {"seconds", merger.seconds()},
+            {"passes_of_streams", streams},
+            {"missing_streams", merger.missing()},
+            {"rays", {{"intersect", merger.rays().intersectRays}, {"shadow", merger.rays().shadowRays}}},
+            {"non_finite", core::nonFiniteCounts(merger.film())}};
+}
+
+}  // namespace
+
+Merged merge(const std::vector<std::filesystem::path>& parts, const Files& files,
+             const std::vector<std::string>& layers) {
+    if (parts.empty()) throw core::Error("there are no parts to merge");
+    const core::OutputSet outputs(files.images, core::api::displayOf(files.display), files.overwrite);
+    core::PartMerger merger;
+    for (const std::filesystem::path& part : parts)
+        merger.add(part.string(), core::readCheckpoint(part, version()));
+    if (const std::vector<uint32_t> missing = merger.missing(); !missing.empty())
+        core::api::log(LogLevel::Warning,
+                       fmt::format("{} of {} streams are missing: {}", missing.size(),
+                                   merger.identity()["streams"].get<uint32_t>(), fmt::join(missing, ", ")));
+    const core::OutputSet::RescueResult written = outputs.writeOrRescue(frameOf(merger, layers));
+    return {{StopReason::Passes, merger.film().passes(), written.failures, written.rescued, {}},
+            statisticsOf(merger, parts).dump(2)};
+}
+
+}  // namespace metrolux

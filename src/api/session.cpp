@@ -1,0 +1,212 @@
+#include "api/internals.h"
+#include "api/log.h"
+
+#include <metrolux/version.h>
+
+#include <algorithm>
+
+namespace metrolux {
+namespace {
+
+core::StreamChoice streamsOf(const Streams& streams) {
+    if (streams.count < 1 || streams.count > core::kMostStreams)
+        throw core::Error("found {} streams, expected 1 to {}", streams.count, core::kMostStreams);
+    const core::StreamChoice choice{streams.count, streams.first, streams.last.value_or(streams.count - 1)};
+    if (choice.last >= choice.count || choice.first > choice.last)
+        throw core::Error("streams {} to {} of {}: expected some of 0 to {}", choice.first, choice.last,
+                          choice.count, choice.count - 1);
+    return choice;
+}
+
+nlohmann::json sceneIdentity(const Scene::Impl& scene) {
+    nlohmann::json identity = scene.identity;
+    identity["files"] = core::fingerprints(scene.files);
+    return identity;
+}
+
+}  // namespace
+
+core::SessionOptions core::api::coreOptions(const metrolux::Scene& scene,
+                                            const metrolux::SessionOptions& options) {
+    const metrolux::Scene::Impl& impl = Internals::of(scene);
+    SessionOptions result;
+    result.integrator = options.integrator;
+    result.parameters = options.parameters;
+    result.common.seed = options.seed;
+    result.common.memoryBytes = options.memory;
+    result.common.limits = impl.scene->parts().limits;
+    if (options.maxDepth) result.common.limits.maxDepth = *options.maxDepth;
+    for (const std::string& name : options.layers) result.aovs.push_back(core::aovFromName(name));
+    result.version = version();
+    result.scene = [scene] { return sceneIdentity(Internals::of(scene)); };
+    result.streams = streamsOf(options.streams);
+    return result;
+}
+
+namespace {
+
+std::vector<core::NamedOutput> namedOutputs(const Files& files) {
+    std::vector<core::NamedOutput> result;
+    for (const std::filesystem::path& file : files.images)
+        result.push_back({fmt::format("output '{}'", file.string()), file});
+    if (!files.checkpoint.empty())
+        result.push_back({fmt::format("checkpoint '{}'", files.checkpoint.string()), files.checkpoint});
+    return result;
+}
+
+Progress progressOf(const core::PassReport& report, double raysPerSecond, const std::string& note) {
+    return {report.passes,           report.seconds, report.relativeError,
+            report.secondsRemaining, raysPerSecond,  note};
+}
+
+StopReason reasonOf(core::StopReason reason) {
+    switch (reason) {
+        case core::StopReason::Time:
+            return StopReason::Time;
+        case core::StopReason::Passes:
+            return StopReason::Passes;
+        case core::StopReason::Error:
+            return StopReason::Error;
+        case core::StopReason::Interrupted:
+            break;
+    }
+    return StopReason::Interrupted;
+}
+
+}  // namespace
+
+core::RunOptions core::api::runOptions(const Limits& limits, const Files& files) {
+    RunOptions run;
+    run.limits = {limits.seconds, limits.passes, limits.relativeError};
+    if (!limits.any()) run.limits.seconds = kDefaultSeconds;
+    run.outputs = files.images;
+    run.display = displayOf(files.display);
+    run.overwrite = files.overwrite;
+    run.saveEvery = files.saveEvery;
+    run.checkpoint.file = files.checkpoint;
+    run.checkpoint.every = files.checkpointEvery;
+    run.checkpoint.command = files.command;
+    run.checkpoint.folder = std::filesystem::current_path().string();
+    return run;
+}
+
+core::RunHooks core::api::runHooks(const Hooks& hooks) {
+    return {
+        hooks.stop,
+        [progress = hooks.progress](const PassReport& report, double raysPerSecond, const std::string& note) {
+            if (progress) progress(progressOf(report, raysPerSecond, note));
+        },
+        [](const std::string& problem) { log(LogLevel::Warning, problem); }};
+}
+
+Outcome core::api::outcomeOf(const SessionResult& result) {
+    return {reasonOf(result.reason), result.passes, result.written.failures, result.written.rescued,
+            result.checkpointFailure};
+}
+
+Session::Impl::Impl(Scene s, SessionOptions o)
+    : scene(std::move(s)), options(std::move(o)), workers(options.threads), session(workers.execute([this] {
+          return std::make_unique<core::RenderSession>(Internals::of(scene).scene,
+                                                       core::api::coreOptions(scene, options));
+      })) {}
+
+std::vector<IntegratorDescription> integrators() {
+    std::vector<IntegratorDescription> result;
+    for (const core::IntegratorDescription& integrator : core::integratorList()) {
+        IntegratorDescription description{integrator.name, integrator.summary, {}};
+        for (const core::ParameterInfo& p : integrator.parameters)
+            description.parameters.push_back(
+                {p.name, p.help, p.defaultValue, p.defaultText(), p.expected, p.choices, p.least, p.most});
+        result.push_back(std::move(description));
+    }
+    return result;
+}
+
+Session::Session(Scene scene, SessionOptions options)
+    : impl_(std::make_unique<Impl>(std::move(scene), std::move(options))) {}
+Session::~Session() = default;
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+
+Progress Session::step() {
+    impl_->workers.execute([this] { impl_->session->step(); });
+    return progress();
+}
+
+Outcome Session::render(const Limits& limits, const Hooks& hooks, const Files& files) {
+    const core::RunOptions run = core::api::runOptions(limits, files);
+    core::checkDistinct(namedOutputs(files), Internals::of(impl_->scene).files);
+    core::RunHooks watch = core::api::runHooks(hooks);
+    watch.interrupted = [&] { return impl_->stop.load() || (hooks.stop && hooks.stop()); };
+    const core::SessionResult result =
+        impl_->workers.execute([&] { return impl_->session->run(run, watch); });
+    impl_->stop.store(false);
+    return core::api::outcomeOf(result);
+}
+
+void Session::requestStop() noexcept { impl_->stop.store(true); }
+
+Progress Session::progress() const {
+    return progressOf(impl_->session->report(), impl_->session->raysPerSecond(),
+                      impl_->session->progressNote());
+}
+
+ImageView Session::image() {
+    const core::Film& film = impl_->session->film();
+    impl_->image.resize(3 * static_cast<size_t>(film.pixelCount()));
+    film.image(impl_->image);
+    return {impl_->image.data(), film.height(), film.width(), 3};
+}
+
+ImageView Session::variance() {
+    const core::Film& film = impl_->session->film();
+    impl_->variance.resize(static_cast<size_t>(film.pixelCount()));
+    film.variance(impl_->variance);
+    return {impl_->variance.data(), film.height(), film.width(), 1};
+}
+
+ImageView Session::layer(const std::string& name) {
+    const std::vector<std::string>& known = impl_->options.layers;
+    if (std::find(known.begin(), known.end(), name) == known.end())
+        throw core::Error("the session has no layer '{}'; SessionOptions::layers names {}", name,
+                          known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")));
+    if (name == "variance") return variance();
+    const auto* layers = impl_->workers.execute([this] { return &impl_->session->cameraLayers(); });
+    const auto layer = std::find_if(layers->begin(), layers->end(),
+                                    [&](const core::ImageLayer& l) { return l.name == name; });
+    const core::Film& film = impl_->session->film();
+    return {layer->pixels.data(), film.height(), film.width(), static_cast<int>(layer->channels.size())};
+}
+
+std::string Session::statistics() const {
+    return impl_->workers.execute([this] { return impl_->session->statistics().dump(2); });
+}
+
+const Scene& Session::scene() const { return impl_->scene; }
+const SessionOptions& Session::options() const { return impl_->options; }
+const std::string& Session::integrator() const { return impl_->session->options().integrator; }
+int Session::threads() const { return impl_->workers.threads(); }
+
+void Session::saveImage(const std::filesystem::path& file, const Display& display) {
+    const core::OutputSet output({file}, core::api::displayOf(display), true);
+    const core::RenderedFrame frame = impl_->workers.execute([this] { return impl_->session->frame(); });
+    for (const std::string& failure : output.write(frame)) throw core::Error(failure);
+}
+
+void Session::save(const std::filesystem::path& checkpoint) const {
+    core::writeCheckpoint(checkpoint, impl_->session->checkpoint({}));
+}
+
+void Session::resume(const std::filesystem::path& checkpoint) {
+    if (impl_->session->film().passes() > 0)
+        throw core::Error("the session has {} passes, expected none before it goes on from a checkpoint",
+                          impl_->session->film().passes());
+    Internals::restore(*this, core::readCheckpoint(checkpoint, version()));
+}
+
+void Internals::restore(Session& session, core::Checkpoint checkpoint) {
+    Session::Impl& impl = of(session);
+    impl.workers.execute([&] { impl.session->restore(std::move(checkpoint)); });
+}
+
+}  // namespace metrolux

@@ -25,6 +25,7 @@ struct Case {
     Lens lens = Lens::Pinhole;
     Materials materials = Materials::Plain;
     int wanted = 10000;  ///< paths of each technique
+    double nee = 1;      ///< next-event estimations for each hit
 };
 
 std::string nameOf(const Case& c) {
@@ -51,7 +52,7 @@ std::vector<Case> everyLight() {
             for (const double connect : {1.0, 0.25}) cases.push_back({l, merging, connect});
     for (const Lighting l : {Lighting::TexturedArea, Lighting::Spot, Lighting::Projector,
                              Lighting::Collimated, Lighting::EnvironmentMap, Lighting::SunSky})
-        cases.push_back({l, true, 0.25, Lens::Pinhole, Materials::Plain, 3000});
+        cases.push_back({l, true, 0.25, Lens::Pinhole, Materials::Plain, 3000, 1.7});
     return cases;
 }
 
@@ -63,7 +64,7 @@ std::vector<Case> everyCombination() {
                 if (l == Lighting::Area && lens == Lens::Pinhole && m == Materials::Plain) continue;
                 // In turn, so that each occurs with each kind of light, lens and material.
                 const auto turn = static_cast<int>(l) + static_cast<int>(lens) + static_cast<int>(m);
-                cases.push_back({l, turn % 3 != 0, turn % 2 == 0 ? 1 : 0.25, lens, m, 3000});
+                cases.push_back({l, turn % 3 != 0, turn % 2 == 0 ? 1 : 0.25, lens, m, 3000, 1.7});
             }
     return cases;
 }
@@ -98,6 +99,7 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
     Strategies n = Strategies::bidirectional(3.7, c.merging ? pixels * std::numbers::pi * radius * radius : 0,
                                              &photons, 0.3);
     n.connect = c.connect;
+    n.nee *= c.nee;
     const BruteForce bruteForce(oracleScene, n);
 
     std::map<std::string, Deviations> found;

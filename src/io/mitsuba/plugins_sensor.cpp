@@ -75,9 +75,13 @@ void readFormats(const Element& element, LoadContext& context) {
         std::string value = element.string(format.property, format.fallback);
         for (char& c : value) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
         const bool isKnown = std::find(format.known.begin(), format.known.end(), value) != format.known.end();
-        if (!isKnown && !element.isLegacy() && !context.lenient)
-            throw element.error(fmt::format("found {} \"{}\", expected one of {}", format.property, value,
-                                            fmt::join(format.known, ", ")));
+        if (!isKnown && !element.isLegacy() && !context.lenient) {
+            const std::string nearest = nearestName(value, format.known);
+            throw element.error(
+                fmt::format("found {} \"{}\"{}, expected one of {}", format.property, value,
+                            nearest.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", nearest),
+                            fmt::join(format.known, ", ")));
+        }
         if (std::find(format.fulfilled.begin(), format.fulfilled.end(), value) == format.fulfilled.end())
             context.warn(element, fmt::format("{} \"{}\" has no effect: images are written as RGB",
                                               format.property, value));

@@ -31,7 +31,8 @@ The same scene, options and number of passes give the same image on any number o
 }  // namespace
 
 void reportNonFinite(const std::string& statistics) {
-    for (const auto& [technique, count] : nlohmann::json::parse(statistics)["non_finite"].items())
+    const nlohmann::json counts = nlohmann::json::parse(statistics)["non_finite"];
+    for (const auto& [technique, count] : counts.items())
         if (count.get<uint64_t>() > 0)
             spdlog::warn("{} contributions of the technique '{}' were not finite and were left out",
                          count.get<uint64_t>(), technique);

@@ -184,7 +184,8 @@ TEST_F(CliTest, MalformedScenesFailWithStatus2) {
          replaced("<shape type=\"sphere\">",
                   "<shape type=\"obj\"><string name=\"filename\" value=\"absent.obj\"/></shape>"
                   "<shape type=\"sphere\">")},
-        {"singular transform", replaced("<scale value=\"2\"/>", "<scale value=\"0\"/>")},
+        {"camera without extent",
+         replaced("<lookat origin=\"0, 1, -4\"", "<scale value=\"0\"/><lookat origin=\"0, 1, -4\"")},
         {"no sensor", replaced("<sensor type=\"perspective\">", "<sensor type=\"nothing\">")},
     };
     for (const auto& [name, text] : cases) {

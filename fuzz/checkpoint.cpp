@@ -65,7 +65,7 @@ void resume(const Checkpoint& checkpoint) {
     StateReader reader(checkpoint.film);
     film.loadState(reader);
     reader.checkEnd();
-    integrator.renderPass(film);
+    integrator.renderPass(film, film.passes());
     film.image();
     film.variance();
     film.relativeError();

@@ -40,7 +40,7 @@ nlohmann::json statisticsOf(const core::PartMerger& merger, const std::vector<st
             {"passes_of_streams", streams},
             {"missing_streams", merger.missing()},
             {"rays", {{"intersect", merger.rays().intersectRays}, {"shadow", merger.rays().shadowRays}}},
-            {"non_finite", core::nonFiniteCounts(merger.film())}};
+            {"non_finite", core::toJson(merger.nonFinite())}};
 }
 
 }  // namespace

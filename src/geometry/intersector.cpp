@@ -5,6 +5,7 @@
 #include "geometry/affine.h"
 #include "geometry/ray_counters.h"
 #include "geometry/triangle_pairs.h"
+#include "geometry/triangle_prefetch.h"
 
 #include <embree3/rtcore.h>
 
@@ -267,10 +268,10 @@ struct Intersector::Impl {
     /// Ask for the memory that interaction() will read. Two steps, as what a face leads to is known when it
     /// is there.
     void prefetchFace(const RayHit& hit) const {
-        withTriangle(hit, [](const TriangleMesh& mesh, uint32_t t) { mesh.prefetchFace(t); });
+        withTriangle(hit, [](const TriangleMesh& mesh, uint32_t t) { core::prefetchFace(mesh, t); });
     }
     void prefetchVertices(const RayHit& hit) const {
-        withTriangle(hit, [](const TriangleMesh& mesh, uint32_t t) { mesh.prefetchVertices(t); });
+        withTriangle(hit, [](const TriangleMesh& mesh, uint32_t t) { core::prefetchVertices(mesh, t); });
     }
 
     /// `analyticRay`: the ray in the space of the group that was hit, for analytic shapes.

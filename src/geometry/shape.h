@@ -2,7 +2,6 @@
 #include "base/direction_cone.h"
 #include "base/huge_pages.h"
 #include "base/math.h"
-#include "base/prefetch.h"
 #include "base/transform.h"
 #include "geometry/interaction.h"
 
@@ -114,20 +113,8 @@ class TriangleMesh final : public Shape {
     /// Fills everything of `si` but the placement for the point with barycentric coordinates (b1, b2) of a
     /// triangle.
     void interaction(uint32_t triangle, const Vec2f& barycentric, SurfaceInteraction& si) const;
-    /// Asks for the memory that interaction() will read: first for what leads to the vertices, then for the
-    /// vertices. Hints, for callers that have something else to do meanwhile.
-    void prefetchFace(uint32_t triangle) const {
-        metrolux::core::prefetch(&indices[3 * size_t(triangle)]);
-        metrolux::core::prefetch(&faces_[triangle]);
-    }
-    void prefetchVertices(uint32_t triangle) const {
-        for (int corner = 0; corner < 3; ++corner) {
-            const uint32_t v = indices[3 * size_t(triangle) + corner];
-            metrolux::core::prefetch(&positions[v]);
-            if (!normals.empty()) metrolux::core::prefetch(&normals[v]);
-            if (!uvs.empty()) metrolux::core::prefetch(&uvs[v]);
-        }
-    }
+    /// Of what it reads besides the vertices (geometry/triangle_prefetch.h).
+    const void* addressOfFace(uint32_t triangle) const { return &faces_[triangle]; }
 
   private:
     /// The part of interaction() that light sources need: all but the shading frame.

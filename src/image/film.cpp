@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cassert>
 
 namespace metrolux::core {
@@ -20,30 +21,14 @@ double luminanceOf(const std::array<double, 3>& rgb) {
 }
 }  // namespace
 
-const char* techniqueName(Technique technique) {
-    switch (technique) {
-        case Technique::Hit:
-            return "hit";
-        case Technique::Nee:
-            return "nee";
-        case Technique::Connect:
-            return "connect";
-        case Technique::Splat:
-            return "splat";
-        case Technique::Merge:
-            return "merge";
-        case Technique::Count:
-            break;
-    }
-    return "unknown";
-}
-
 struct Film::Implementation {
     std::vector<std::array<double, 3>> eye;  ///< of the pass
     FixedPointImage splats;                  ///< of the pass
     std::vector<PixelSum> sums;              ///< of all passes
     BlockedErrorEstimate error;
     bool errorKnown = true;  ///< all passes went through `error`
+    /// Of the pass; counted from all threads.
+    std::atomic<uint64_t> pixelsLeftOut{0}, pixelSplatsLeftOut{0}, filmSplatsLeftOut{0};
 
     explicit Implementation(const FilmWindow& window)
         : eye(static_cast<size_t>(window.pixelCount())),
@@ -91,7 +76,10 @@ RasterRectangle Film::reach() const {
 }
 
 void Film::addEye(uint32_t pixel, const Rgb& value) {
-    if (rejectNonFinite(value, Technique::Hit)) return;
+    if (!isFinite(value)) {
+        ++implementation_->pixelsLeftOut;
+        return;
+    }
     std::array<double, 3>& eye = implementation_->eye[pixel];
     eye[0] += value.x;
     eye[1] += value.y;
@@ -139,34 +127,36 @@ bool isOnImage(const FilmWindow& window, const Vec2f& p) {
            p.y <= static_cast<float>(window.fullHeight);
 }
 
-}  // namespace
-
-void Film::prefetch(const SplatList& splats) const {
-    const FixedPointImage& film = implementation_->splats;
-    for (const SplatList::PixelSplat& splat : splats.pixels) film.prefetch(splat.pixel);
+/// Asks for the memory that splats will be added to.
+void prefetch(const FixedPointImage& sums, const Film& film, const SplatList& splats) {
+    const FilmWindow& w = film.window();
+    const float radius = film.filter().radius();
+    for (const SplatList::PixelSplat& splat : splats.pixels) sums.prefetch(splat.pixel);
     for (const SplatList::FilmSplat& splat : splats.film) {
-        if (!isOnImage(window_, splat.position)) continue;
-        const Reach columns(filter_.radius(), splat.position.x, window_.x, window_.width);
-        const Reach rows(filter_.radius(), splat.position.y, window_.y, window_.height);
+        if (!isOnImage(w, splat.position)) continue;
+        const Reach columns(radius, splat.position.x, w.x, w.width);
+        const Reach rows(radius, splat.position.y, w.y, w.height);
         if (columns.count == 0) continue;
         for (int row = 0; row < rows.count; ++row)
-            film.prefetch(static_cast<size_t>(rows.first + row - window_.y) * window_.width +
-                              static_cast<size_t>(columns.first - window_.x),
+            sums.prefetch(static_cast<size_t>(rows.first + row - w.y) * w.width +
+                              static_cast<size_t>(columns.first - w.x),
                           static_cast<size_t>(columns.count));
     }
 }
 
+}  // namespace
+
 void Film::addSplats(const SplatList& splats, double pixelScale, double filmScale) {
     FixedPointImage& film = implementation_->splats;
-    prefetch(splats);
+    prefetch(film, *this, splats);
     for (const SplatList::PixelSplat& splat : splats.pixels) {
         assert(splat.pixel < static_cast<uint32_t>(pixelCount()));
-        if (!film.add(splat.pixel, splat.value, pixelScale)) countNonFinite(Technique::Merge);
+        if (!film.add(splat.pixel, splat.value, pixelScale)) ++implementation_->pixelSplatsLeftOut;
     }
     for (const SplatList::FilmSplat& splat : splats.film) {
         const Vec2f& p = splat.position;
         if (!std::isfinite(p.x) || !std::isfinite(p.y)) {
-            countNonFinite(Technique::Splat);
+            ++implementation_->filmSplatsLeftOut;
             continue;
         }
         if (!isOnImage(window_, p)) continue;
@@ -176,18 +166,18 @@ void Film::addSplats(const SplatList& splats, double pixelScale, double filmScal
         if (!film.addProduct(static_cast<size_t>(columns.first - window_.x),
                              static_cast<size_t>(rows.first - window_.y), columns.all(), rows.all(),
                              splat.value, filmScale))
-            countNonFinite(Technique::Splat);
+            ++implementation_->filmSplatsLeftOut;
     }
 }
 
-void Film::endPass() {
+Film::LeftOut Film::endPass() {
     Implementation& film = *implementation_;
     for (size_t i = 0; i < film.sums.size(); ++i) {
         std::array<double, 3> value = film.splats.take(i);
         for (size_t c = 0; c < 3; ++c) value[c] += std::exchange(film.eye[i][c], 0);
         const auto tooLarge = [](double x) { return !(std::abs(x) <= PixelSum::kLargest); };
         if (std::any_of(value.begin(), value.end(), tooLarge)) {
-            countNonFinite(Technique::Hit);
+            ++film.pixelsLeftOut;
             value = {};
         }
         PixelSum& sum = film.sums[i];
@@ -198,7 +188,8 @@ void Film::endPass() {
     }
     film.error.endPass();
     ++passes_;
-    ++passIndex_;
+    return {film.pixelsLeftOut.exchange(0), film.pixelSplatsLeftOut.exchange(0),
+            film.filmSplatsLeftOut.exchange(0)};
 }
 
 std::vector<float> Film::image() const {
@@ -237,37 +228,27 @@ double Film::relativeError() const {
     return implementation_->errorKnown ? implementation_->error.relativeError() : kInfinity;
 }
 
-TechniqueCounts Film::nonFinite() const {
-    TechniqueCounts counts;
-    for (size_t i = 0; i < counts.size(); ++i) counts[i] = nonFinite_[i].load();
-    return counts;
-}
-
 template <class Archive>
 void Film::serialize(Archive& archive) {
     Implementation& film = *implementation_;
-    TechniqueCounts nonFinite = this->nonFinite();
-    archive(passes_, passIndex_, film.errorKnown);
-    serializeElements(archive, nonFinite, "techniques");
+    archive(passes_, film.errorKnown);
     serializeElements(archive, film.sums, "pixels");
     archive(film.error);
-    for (size_t i = 0; i < nonFinite.size(); ++i) nonFinite_[i].store(nonFinite[i]);
 }
 void Film::saveState(StateWriter& writer) const {
     const_cast<Film*>(this)->serialize(writer);  // a writer changes nothing
 }
 void Film::loadState(StateReader& reader) { serialize(reader); }
 
-void Film::add(const Film& other) { addSums(other.sums(), other.passes(), other.nonFinite()); }
+void Film::add(const Film& other) { addSums(other.sums(), other.passes()); }
 
 std::span<const PixelSum> Film::sums() const { return implementation_->sums; }
 
-void Film::addSums(std::span<const PixelSum> sums, uint32_t passes, const TechniqueCounts& nonFinite) {
+void Film::addSums(std::span<const PixelSum> sums, uint32_t passes) {
     if (sums.size() != implementation_->sums.size())
         throw Error("film: found the sums of {} pixels, expected {}", sums.size(),
                     implementation_->sums.size());
     for (size_t i = 0; i < sums.size(); ++i) implementation_->sums[i] += sums[i];
-    for (size_t i = 0; i < nonFinite.size(); ++i) nonFinite_[i].fetch_add(nonFinite[i]);
     passes_ += passes;
     implementation_->errorKnown = false;
 }

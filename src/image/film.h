@@ -6,8 +6,6 @@
 #include "image/filter.h"
 #include "image/splat.h"
 
-#include <array>
-#include <atomic>
 #include <memory>
 #include <mutex>
 #include <span>
@@ -15,11 +13,6 @@
 #include <vector>
 
 namespace metrolux::core {
-
-/// Technique that made a contribution, for the count of non-finite values.
-enum class Technique : uint8_t { Hit, Nee, Connect, Splat, Merge, Count };
-const char* techniqueName(Technique technique);
-using TechniqueCounts = std::array<uint64_t, static_cast<size_t>(Technique::Count)>;
 
 /// A rectangle of raster positions, in pixels of the full image.
 struct RasterRectangle {
@@ -62,17 +55,16 @@ class Film {
     /// As addSplats with another factor for film splats than for pixel splats.
     void addSplats(const SplatList& splats, double pixelScale, double filmScale);
 
-    /// Asks for the memory that addSplats() will add to.
-    void prefetch(const SplatList& splats) const;
-
+    /// Numbers of values that were not added, as they were not finite or too large for a sum.
+    struct LeftOut {
+        uint64_t pixels = 0;       ///< by addEye(), and of whole pixels by endPass()
+        uint64_t pixelSplats = 0;  ///< by addSplats()
+        uint64_t filmSplats = 0;
+    };
     /// Closes a pass: adds it to the running sums, updates the per-pixel variance and the error estimate.
-    void endPass();
+    /// Says what of the pass was left out.
+    LeftOut endPass();
     uint32_t passes() const { return passes_; }
-
-    /// Number of the pass in progress: names its random numbers. It counts the passes of this film, unless
-    /// the film takes turns between several renderings.
-    uint32_t passIndex() const { return passIndex_; }
-    void setPassIndex(uint32_t index) { passIndex_ = index; }
 
     /// Mean over passes, row by row, 3 floats a pixel.
     std::vector<float> image() const;
@@ -95,18 +87,7 @@ class Film {
     void add(const Film& other);
     std::span<const PixelSum> sums() const;
     /// As add(), of a film that has these sums and counts.
-    void addSums(std::span<const PixelSum> sums, uint32_t passes, const TechniqueCounts& nonFinite);
-
-    /// Non-finite contributions were counted instead of added (docs/explain/architecture.md).
-    TechniqueCounts nonFinite() const;
-    uint64_t nonFinite(Technique technique) const { return nonFinite_[static_cast<int>(technique)].load(); }
-    void countNonFinite(Technique technique) { nonFinite_[static_cast<int>(technique)].fetch_add(1); }
-    /// True (and counted) when a contribution may not enter the film.
-    bool rejectNonFinite(const Rgb& value, Technique technique) {
-        if (isFinite(value)) return false;
-        countNonFinite(technique);
-        return true;
-    }
+    void addSums(std::span<const PixelSum> sums, uint32_t passes);
 
   private:
     template <class Archive>
@@ -114,8 +95,7 @@ class Film {
     struct Implementation;
     FilmWindow window_;
     ReconstructionFilter filter_;
-    uint32_t passes_ = 0, passIndex_ = 0;
-    std::atomic<uint64_t> nonFinite_[static_cast<int>(Technique::Count)] = {};
+    uint32_t passes_ = 0;
     std::shared_ptr<Implementation> implementation_;
 };
 

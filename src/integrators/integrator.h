@@ -2,6 +2,7 @@
 #include "base/state.h"
 #include "image/film.h"
 #include "scene/scene.h"
+#include "transport/technique.h"
 
 #include <metrolux/defaults.h>
 
@@ -23,16 +24,24 @@ struct CommonOptions {
 class Integrator {
   public:
     virtual ~Integrator() = default;
-    /// Adds one pass (one sample, light path or mutation per pixel) to the film and calls film.endPass().
-    virtual void renderPass(Film& film) = 0;
-    /// Everything that renderPass() changes, between two passes: an integrator of the same scene and options
-    /// that loads it goes on bit for bit. loadState() throws Error for what it cannot use. See Resumable.
+    /// Adds pass number `pass` (from 0) to the film and closes it there.
+    void renderPass(Film& film, uint32_t pass);
+    /// Adds one sample, light subpath or mutation for each pixel; `pass` names the random numbers.
+    virtual void addPass(Film& film, uint32_t pass) = 0;
+    /// Contributions that were left out since the integrator was made (docs/explain/reliability.md).
+    virtual TechniqueCounts nonFinite() const { return nonFinite_.counts(); }
+    /// Everything that addPass() changes and later passes depend on, between two passes: an integrator of
+    /// the same scene and options that loads it goes on bit for bit. loadState() throws Error for what it
+    /// cannot use. See Resumable.
     virtual void saveState(StateWriter& writer) const = 0;
     virtual void loadState(StateReader& reader) = 0;
     /// What a user may want to know: acceptance rates, normalizations, radius ...
     virtual nlohmann::json statistics() const = 0;
     /// Short text for the progress line, may be empty.
     virtual std::string progressNote() const { return {}; }
+
+  protected:
+    NonFiniteCounts nonFinite_;  ///< for the passes
 };
 
 /// An empty film for the scene's camera.

@@ -69,17 +69,17 @@ double projectedPixelRadius(const Scene& scene, const PathLimits& limits) {
     return count > 0 && sum > 0 ? kFootprints * sum / count : kFallbackFraction * scene.bounds().radius;
 }
 
-void directPass(const Scene& scene, const PathLimits& limits, uint64_t seed, std::span<const uint32_t> pixels,
-                Film& film) {
-    PathLimits oneEdge = limits;
+void directPass(const EyePass& pass, std::span<const uint32_t> pixels, Film& film) {
+    PathLimits oneEdge = pass.limits;
     oneEdge.maxDepth = 1;
     const Strategies strategies = Strategies::hitsAlone();
     EyeVertices none;
-    EyeWavefronts().run({scene, oneEdge, strategies, seed, film.passIndex()}, pixels, film, none);
+    EyeWavefronts().run({pass.scene, oneEdge, strategies, pass.nonFinite, pass.seed, pass.pass}, pixels, film,
+                        none);
 }
 
-uint64_t lightSubpathKey(uint64_t seed, uint32_t passIndex, size_t index) {
-    return hashKey(seed, StreamPurpose::LightSubpath, passIndex, index);
+uint64_t lightSubpathKey(uint64_t seed, uint32_t pass, size_t index) {
+    return hashKey(seed, StreamPurpose::LightSubpath, pass, index);
 }
 
 void independentLightSubpaths(const LightSubpathPass& pass, Film& film, uint64_t seed,
@@ -131,13 +131,12 @@ void IteratedIntegrator::weighByPhotons(const WeighingParameters& weighing) {
     if (weighing.correlationAware) photons_ = std::make_unique<PhotonDensity>(kPhotonCell * radius_.radius());
 }
 
-void IteratedIntegrator::renderPass(Film& film) {
+void IteratedIntegrator::addPass(Film& film, uint32_t pass) {
     size_t first = 0;
     for (int part = 0; part < partition_.parts(); ++part) {
-        iterate(film, partition_.pixels(part), first);
+        iterate(film, pass, partition_.pixels(part), first);
         first += partition_.pixels(part).size();
     }
-    film.endPass();
     radius_.advance();
 }
 

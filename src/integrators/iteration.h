@@ -56,10 +56,10 @@ class RadiusSchedule {
 /// Edge of a PhotonDensity's cell in first merging radii: a compromise of noise and detail.
 inline constexpr double kPhotonCell = 8;
 
-/// The pass of emitters that the camera sees directly (paths of one edge), one eye ray for each of `pixels`.
-/// Integrators that find all other light by light subpaths or chains add it.
-void directPass(const Scene& scene, const PathLimits& limits, uint64_t seed, std::span<const uint32_t> pixels,
-                Film& film);
+/// The pass of emitters that the camera sees directly (paths of one edge), one eye ray for each of `pixels`:
+/// `pass` without its strategies and longer paths. Integrators that find all other light by light subpaths or
+/// chains add it.
+void directPass(const EyePass& pass, std::span<const uint32_t> pixels, Film& film);
 
 /// Number of independent lanes of chains that together take `steps` steps: long chains, and enough of them
 /// for many threads. Depends on the image only, or is what the parameters say.
@@ -83,13 +83,13 @@ void independentLightSubpaths(const LightSubpathPass& pass, Film& film, uint64_t
                               std::vector<double>* sizes = nullptr);
 
 /// Key of the stream of light subpath `index` of a plain pass.
-uint64_t lightSubpathKey(uint64_t seed, uint32_t passIndex, size_t index);
+uint64_t lightSubpathKey(uint64_t seed, uint32_t pass, size_t index);
 
 /// An integrator that stores eye vertices: a pass is made of iterations that fit the memory bound, and the
 /// merging radius shrinks after each pass.
 class IteratedIntegrator : public Integrator {
   public:
-    void renderPass(Film& film) final;
+    void addPass(Film& film, uint32_t pass) final;
 
   protected:
     /// `merging`: of radius 0 without merging.
@@ -98,7 +98,7 @@ class IteratedIntegrator : public Integrator {
     void weighByPhotons(const WeighingParameters& weighing);
 
     /// Adds what `pixels` and as many light subpaths, from index `first` of the pass, stand for.
-    virtual void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) = 0;
+    virtual void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) = 0;
     /// Part of the state of each of them.
     template <class Archive>
     void serializeIteration(Archive& archive) {
@@ -106,11 +106,15 @@ class IteratedIntegrator : public Integrator {
         if (photons_) archive(*photons_);
     }
     /// Traces an iteration's eye subpaths: eyes_ has their vertices.
-    void traceEyes(const Strategies& strategies, std::span<const uint32_t> pixels, Film& film) {
-        eyeWavefronts_.run(eyePass(strategies, film), pixels, film, eyes_);
+    void traceEyes(const EyePass& pass, std::span<const uint32_t> pixels, Film& film) {
+        eyeWavefronts_.run(pass, pixels, film, eyes_);
     }
-    EyePass eyePass(const Strategies& strategies, const Film& film) const {
-        return {scene_, options_.limits, strategies, options_.seed, film.passIndex()};
+    EyePass eyePass(const Strategies& strategies, uint32_t pass) {
+        return {scene_, options_.limits, strategies, nonFinite_, options_.seed, pass};
+    }
+    /// Over eyes_ and grid_.
+    LightSubpathPass lightSubpathPass(const Strategies& strategies) {
+        return {scene_, options_.limits, strategies, eyes_, grid_, nonFinite_};
     }
     /// What statistics() says of all of them.
     nlohmann::json iterationStatistics() const;

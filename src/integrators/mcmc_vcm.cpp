@@ -69,19 +69,19 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
     std::string progressNote() const override { return chains_.progressNote(); }
 
   private:
-    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
+    void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size()), r = radius_.radius();
         chains_.begin(pixels.size(), r);
         Strategies strategies = Strategies::bidirectional(chains_.effectiveSamples() / n,
                                                           n * std::numbers::pi * r * r, photons_.get());
         strategies.connect = parameters_.connections.connections;
-        traceEyes(strategies, pixels, film);
-        grid_.build(eyes_.all(), static_cast<float>(r));
-        const LightSubpathPass light{scene_, options_.limits, strategies, eyes_, grid_, film};
+        traceEyes(eyePass(strategies, pass), pixels, film);
+        grid_.build(positionsOf(eyes_.all()), static_cast<float>(r));
+        const LightSubpathPass light = lightSubpathPass(strategies);
         const bool relative = parameters_.target == McmcVcmParameters::Target::Relative;
         const bool measured = parameters_.replicas.split.measured;
         if (first == 0 && (relative || measured)) importance_.update(film);
-        LightSubpathIteration iteration{film.passIndex(), first, pixels.size(), n / film.pixelCount()};
+        LightSubpathIteration iteration{pass, first, pixels.size(), n / film.pixelCount()};
         if (relative) iteration.target = &importance_;
         if (measured) iteration.noise = &importance_;
         chains_.run(light, film, iteration, photons_.get());

@@ -55,14 +55,13 @@ class MmltIntegrator final : public Resumable<MmltIntegrator> {
         }
     }
 
-    void renderPass(Film& film) override {
-        directPass(scene_, options_.limits, options_.seed, pixels_, film);
+    void addPass(Film& film, uint32_t pass) override {
         const Strategies strategies = Strategies::bidirectional(1, 0);
-        const PathPair pair{scene_, options_.limits, strategies, film};
+        directPass({scene_, options_.limits, strategies, nonFinite_, options_.seed, pass}, pixels_, film);
+        const PathPair pair{scene_, options_.limits, strategies, film, nonFinite_};
         if (budgets_.empty()) shareOut(pair);
         for (size_t i = 0; i < samplers_.size(); ++i)
             samplers_[i].integrate(budgets_[i], evaluator(pair, int(i) + 2), payTo(film));
-        film.endPass();
     }
 
     template <class Archive>

@@ -16,15 +16,14 @@ class PathIntegrator final : public Resumable<PathIntegrator> {
           options_(options),
           pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
 
-    void renderPass(Film& film) override {
+    void addPass(Film& film, uint32_t pass) override {
         const Strategies strategies = Strategies::path();
         EyeVertices none;
-        wavefronts_.run({scene_, options_.limits, strategies, options_.seed, film.passIndex()}, pixels_, film,
+        wavefronts_.run({scene_, options_.limits, strategies, nonFinite_, options_.seed, pass}, pixels_, film,
                         none);
-        film.endPass();
     }
     template <class Archive>
-    void serialize(Archive&) {}  // the film's count of passes is all
+    void serialize(Archive&) {}  // the number of the pass is all
     nlohmann::json statistics() const override { return nlohmann::json::object(); }
 
   private:
@@ -43,17 +42,16 @@ class LightIntegrator final : public Resumable<LightIntegrator> {
           options_(options),
           pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
 
-    void renderPass(Film& film) override {
-        directPass(scene_, options_.limits, options_.seed, pixels_, film);
+    void addPass(Film& film, uint32_t pass) override {
+        const Strategies strategies = Strategies::splatsAlone();
+        directPass({scene_, options_.limits, strategies, nonFinite_, options_.seed, pass}, pixels_, film);
         const EyeVertices none;
         const VertexGrid grid;
-        const Strategies strategies = Strategies::splatsAlone();
-        const LightSubpathPass lightPass{scene_, options_.limits, strategies, none, grid, film};
-        independentLightSubpaths(lightPass, film, options_.seed, {film.passIndex(), 0, pixels_.size()});
-        film.endPass();
+        const LightSubpathPass lightPass{scene_, options_.limits, strategies, none, grid, nonFinite_};
+        independentLightSubpaths(lightPass, film, options_.seed, {pass, 0, pixels_.size()});
     }
     template <class Archive>
-    void serialize(Archive&) {}  // the film's count of passes is all
+    void serialize(Archive&) {}  // the number of the pass is all
     nlohmann::json statistics() const override { return nlohmann::json::object(); }
 
   private:

@@ -63,7 +63,7 @@ struct Streams {
 }  // namespace
 
 void PathPair::addSplat(const Vec2f& raster, const Rgb& value, Technique technique, SplatList& splats) const {
-    if (film.rejectNonFinite(value, technique) || isBlack(value) || !film.reach().contains(raster)) return;
+    if (nonFinite.reject(value, technique) || isBlack(value) || !film.reach().contains(raster)) return;
     splats.film.push_back({raster, value});
 }
 
@@ -73,20 +73,20 @@ void PathPair::all(SampleStream& u, SplatList& splats) const {
     const Vec2f raster = film.reach().at(read(streams.eye, layout::kRaster));
     PathLimits indirect = limits;
     indirect.minDepth = 2;
-    const EyePass eyePass{scene, indirect, strategies};
+    const EyePass eyePass{scene, indirect, strategies, nonFinite};
     thread_local std::vector<Vertex> eye;  // keeps its memory
     eye.clear();
-    Rgb sum = eyePass.trace(streams.eye, &streams.nee, raster, film.reach().area(), 0, film, eye);
+    Rgb sum = eyePass.trace(streams.eye, &streams.nee, raster, film.reach().area(), 0, eye);
 
     if (photons)
         for (const Vertex& v : eye) {
             const Rgb merged = photons->merge(strategies, v, limits.maxDepth);
-            if (!film.rejectNonFinite(merged, Technique::Merge)) sum += merged;
+            if (!nonFinite.reject(merged, Technique::Merge)) sum += merged;
         }
 
     const EyeVertices none;
     const VertexGrid noGrid;
-    const LightSubpathPass lightPass{scene, limits, strategies, none, noGrid, film};
+    const LightSubpathPass lightPass{scene, limits, strategies, none, noGrid, nonFinite};
     lightPass.evaluate({&streams.light, &splats}, {eye, 1});
     // Connections belong to the eye subpath's raster position, as hit and nee do.
     for (const SplatList::PixelSplat& connection : splats.pixels) sum += connection.value;
@@ -128,7 +128,7 @@ void PathPair::one(int length, SampleStream& u, SplatList& splats) const {
     traceEyeSubpath(scene, streams.eye, limits, strategies, raster, area, 0, eye);
     if (!eye.canConnect()) return;
     if (s == 1) {
-        add(EyePass{scene, limits, strategies}.estimateDirect(*eye.vertex(), streams.nee, film),
+        add(EyePass{scene, limits, strategies, nonFinite}.estimateDirect(*eye.vertex(), streams.nee),
             Technique::Nee);
     } else {
         add(connectVertices(scene, strategies, *light.vertex(), *eye.vertex()), Technique::Connect);

@@ -1,6 +1,7 @@
 #pragma once
 #include "image/film.h"
 #include "integrators/photon_map.h"
+#include "transport/technique.h"
 
 namespace metrolux::core {
 
@@ -16,7 +17,8 @@ struct PathPair {
     const Scene& scene;
     const PathLimits& limits;
     const Strategies& strategies;
-    Film& film;  ///< window, filter, count of non-finite contributions; nothing is added to it
+    const Film& film;                    ///< of which the window and the filter matter
+    NonFiniteCounts& nonFinite;          ///< counts what is left out
     const PhotonMap* photons = nullptr;  ///< all() merges the eye subpath with them, if given
 
     /// All techniques of all path lengths; `splats` is cleared first.

@@ -7,7 +7,7 @@ namespace metrolux::core {
 void PhotonMap::build(std::vector<Vertex> vertices, float radius) {
     vertices_ = std::move(vertices);
     grid_.clear();
-    grid_.build(vertices_, radius);
+    grid_.build(positionsOf(vertices_), radius);
     inverseDiskArea_ = 1.0 / (double(kPi) * radius * radius);
 }
 

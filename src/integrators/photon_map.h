@@ -1,7 +1,7 @@
 #pragma once
 #include "sampling/sample_stream.h"
+#include "spatial/vertex_grid.h"
 #include "transport/subpath.h"
-#include "transport/vertex_grid.h"
 
 namespace metrolux::core {
 

@@ -58,14 +58,14 @@ class PhotonMappingIntegrator final : public Resumable<PhotonMappingIntegrator, 
     std::string progressNote() const override { return chains_ ? chains_->progressNote() : std::string(); }
 
   private:
-    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
+    void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size()), r = radius_.radius();
         const Strategies strategies = Strategies::photonMapping();
-        traceEyes(strategies, pixels, film);
-        grid_.build(eyes_.all(), static_cast<float>(r));
+        traceEyes(eyePass(strategies, pass), pixels, film);
+        grid_.build(positionsOf(eyes_.all()), static_cast<float>(r));
 
-        const LightSubpathPass lightPass{scene_, options_.limits, strategies, eyes_, grid_, film};
-        const LightSubpathIteration iteration{film.passIndex(), first, pixels.size(), n / film.pixelCount()};
+        const LightSubpathPass lightPass = lightSubpathPass(strategies);
+        const LightSubpathIteration iteration{pass, first, pixels.size(), n / film.pixelCount()};
         if (chains_) {
             chains_->begin(pixels.size(), r);
             chains_->run(lightPass, film, iteration, nullptr);

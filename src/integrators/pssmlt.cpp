@@ -20,12 +20,11 @@ class PssmltIntegrator final : public Resumable<PssmltIntegrator> {
           pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)),
           sampler_(pathSamplerOptions(options.seed, parameters, pixels_.size(), 0)) {}
 
-    void renderPass(Film& film) override {
-        directPass(scene_, options_.limits, options_.seed, pixels_, film);
+    void addPass(Film& film, uint32_t pass) override {
         const Strategies strategies = Strategies::bidirectional(1, 0);
-        const PathPair pair{scene_, options_.limits, strategies, film};
+        directPass({scene_, options_.limits, strategies, nonFinite_, options_.seed, pass}, pixels_, film);
+        const PathPair pair{scene_, options_.limits, strategies, film, nonFinite_};
         sampler_.integrate(pixels_.size(), evaluatorOf(pair), payTo(film));
-        film.endPass();
     }
 
     template <class Archive>

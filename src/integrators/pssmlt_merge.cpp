@@ -77,7 +77,7 @@ class PssmltMergeIntegrator final : public Resumable<PssmltMergeIntegrator, Iter
     std::string progressNote() const override { return acceptanceNote(sampler_.counts()); }
 
   private:
-    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
+    void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) override {
         const size_t n = pixels.size(), fresh = static_cast<size_t>(kFreshShare * double(n));
         const double r = radius_.radius();
         if (!byStates_) byVisibility_.begin(n, r);
@@ -85,13 +85,12 @@ class PssmltMergeIntegrator final : public Resumable<PssmltMergeIntegrator, Iter
             byStates_ ? byStates_->effectiveSamples(n) : byVisibility_.effectiveSamples();
         const Strategies strategies =
             Strategies::bidirectional(1, lightSubpaths * std::numbers::pi * r * r, photons_.get());
-        tracePixels(film, pixels, strategies);
+        tracePixels(film, pass, pixels, strategies);
         const LightSubpathTracing tracing{scene_, options_.limits, strategies, photons_.get()};
-        map_.build(byStates_ ? byStates_->make(tracing, n, film.passIndex(), first)
-                             : byVisibility_.make(tracing, grid_),
+        map_.build(byStates_ ? byStates_->make(tracing, n, pass, first) : byVisibility_.make(tracing, grid_),
                    static_cast<float>(r));
 
-        const PathPair pair{scene_, options_.limits, strategies, film, &map_};
+        const PathPair pair{scene_, options_.limits, strategies, film, nonFinite_, &map_};
         const auto observe = [this](size_t lane, const auto& state, bool moved) {
             if (byStates_) byStates_->observe(lane, state, moved);
         };
@@ -100,13 +99,14 @@ class PssmltMergeIntegrator final : public Resumable<PssmltMergeIntegrator, Iter
     }
 
     /// Emitters that the camera sees directly, and for method B the eye vertices that say what is visible.
-    void tracePixels(Film& film, std::span<const uint32_t> pixels, const Strategies& strategies) {
-        directPass(scene_, options_.limits, options_.seed, pixels, film);
+    void tracePixels(Film& film, uint32_t pass, std::span<const uint32_t> pixels,
+                     const Strategies& strategies) {
+        directPass(eyePass(strategies, pass), pixels, film);
         if (byStates_) return;
         Strategies merges = strategies;
         merges.hit = merges.nee = 0;
-        traceEyes(merges, pixels, film);
-        grid_.build(eyes_.all(), static_cast<float>(radius_.radius()));
+        traceEyes(eyePass(merges, pass), pixels, film);
+        grid_.build(positionsOf(eyes_.all()), static_cast<float>(radius_.radius()));
     }
 
     PathSampler sampler_;

@@ -60,23 +60,23 @@ class SplitMcmcIntegrator final : public Resumable<SplitMcmcIntegrator, Iterated
                                          eyeSamples * std::numbers::pi * r * r, photons_.get(), 1 / eyeBoost);
     }
 
-    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
+    void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size());
         const float r = static_cast<float>(radius_.radius());
-        const LightSubpathIteration iteration{film.passIndex(), first, pixels.size(), n / film.pixelCount()};
+        const LightSubpathIteration iteration{pass, first, pixels.size(), n / film.pixelCount()};
         const bool chains = !lightVertices_.empty();
         light_.begin(pixels.size(), radius_.radius());
         if (chains) eye_.begin(pixels.size(), radius_.radius());
         const Strategies counts = chains ? strategies(eye_.samples(), eye_.boost()) : strategies(n, 1);
 
         if (chains) {
-            oldGrid_.buildPoints(lightVertices_, r);
-            eye_.run(eyePass(counts, film), oldGrid_, film, iteration, eyes_);
+            oldGrid_.build(lightVertices_, r);
+            eye_.run(eyePass(counts, pass), oldGrid_, film, iteration, eyes_);
         } else {
-            traceEyes(counts, pixels, film);
+            traceEyes(eyePass(counts, pass), pixels, film);
         }
-        grid_.build(eyes_.all(), r);
-        light_.run({scene_, options_.limits, counts, eyes_, grid_, film}, film, iteration, photons_.get());
+        grid_.build(positionsOf(eyes_.all()), r);
+        light_.run(lightSubpathPass(counts), film, iteration, photons_.get());
         lightVertices_ = light_.trails();
     }
 

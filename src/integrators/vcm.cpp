@@ -42,18 +42,16 @@ class VcmIntegrator final : public Resumable<VcmIntegrator, IteratedIntegrator> 
     nlohmann::json statistics() const override { return iterationStatistics(); }
 
   private:
-    void iterate(Film& film, std::span<const uint32_t> pixels, size_t first) override {
+    void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size()), r = radius_.radius();
         Strategies strategies =
             Strategies::bidirectional(1, merge_ ? n * std::numbers::pi * r * r : 0, photons_.get());
         strategies.connect = connections_;
-        traceEyes(strategies, pixels, film);
-        if (merge_) grid_.build(eyes_.all(), static_cast<float>(r));
+        traceEyes(eyePass(strategies, pass), pixels, film);
+        if (merge_) grid_.build(positionsOf(eyes_.all()), static_cast<float>(r));
 
-        const LightSubpathPass pass{scene_, options_.limits, strategies, eyes_, grid_, film};
-        independentLightSubpaths(pass, film, options_.seed,
-                                 {film.passIndex(), first, pixels.size(), n / film.pixelCount()},
-                                 photons_.get());
+        independentLightSubpaths(lightSubpathPass(strategies), film, options_.seed,
+                                 {pass, first, pixels.size(), n / film.pixelCount()}, photons_.get());
         if (photons_) photons_->endIteration(n);
     }
 

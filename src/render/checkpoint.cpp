@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 /// What the file begins with; a number for each change of the format, in the machine's order of bytes.
 constexpr std::string_view kMagic = "Metrolux";
-constexpr uint32_t kFormat = 2, kForeignFormat = __builtin_bswap32(kFormat);
+constexpr uint32_t kFormat = 3, kForeignFormat = __builtin_bswap32(kFormat);
 /// Magic, format, checksum of the payload, size of the payload.
 constexpr size_t kHeaderBytes = 8 + 4 + 4 + 8;
 
@@ -129,6 +129,7 @@ void Checkpoint::serialize(Archive& archive) {
     archive(command, folder, outputs, limits.seconds, limits.passes, limits.relativeError, identity, seconds,
             rays.intersectRays, rays.shadowRays, rays.secondsInEmbree);
     archive(window.fullWidth, window.fullHeight, window.x, window.y, window.width, window.height);
+    serializeElements(archive, nonFinite, "techniques");
     archive(film, streams);
 }
 

@@ -25,8 +25,9 @@ struct Checkpoint {
     /// JSON: what the passes depend on, scene files and options. Renderings of the same identity can be
     /// continued and merged.
     std::string identity;
-    double seconds = 0;  ///< rendered so far
-    RayStatistics rays;  ///< traced so far
+    double seconds = 0;           ///< rendered so far
+    RayStatistics rays;           ///< traced so far
+    TechniqueCounts nonFinite{};  ///< Integrator::nonFinite so far
     FilmWindow window;
     std::string film;                  ///< Film::saveState
     std::vector<StreamState> streams;  ///< that have passes

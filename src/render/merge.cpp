@@ -27,6 +27,7 @@ void PartMerger::add(const std::string& name, const Checkpoint& part) {
         throw Error("checkpoint '{}' is damaged: {}", name, problem.what());
     }
     film_->add(film);
+    nonFinite_ += part.nonFinite;
     seconds_ += part.seconds;
     rays_.intersectRays += part.rays.intersectRays;
     rays_.shadowRays += part.rays.shadowRays;

@@ -21,6 +21,7 @@ class PartMerger {
     const nlohmann::json& identity() const { return identity_; }
     double seconds() const { return seconds_; }  ///< of all parts
     const RayStatistics& rays() const { return rays_; }
+    const TechniqueCounts& nonFinite() const { return nonFinite_; }
     /// Passes of each stream.
     const std::map<uint32_t, uint32_t>& passes() const { return passes_; }
     /// Streams that no part has.
@@ -33,6 +34,7 @@ class PartMerger {
     std::unique_ptr<Film> film_;
     double seconds_ = 0;
     RayStatistics rays_;
+    TechniqueCounts nonFinite_{};
     std::map<uint32_t, uint32_t> passes_;
     std::map<uint32_t, std::string> origin_;
 };

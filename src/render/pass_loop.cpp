@@ -61,7 +61,7 @@ StopReason renderPasses(Integrator& integrator, Film& film, const RenderLimits& 
         if (const auto reason = reached(limits, report())) return *reason;
     while (true) {
         if (hooks.interrupted && hooks.interrupted()) return StopReason::Interrupted;
-        integrator.renderPass(film);
+        integrator.renderPass(film, film.passes());
         const PassReport now = report();
         if (hooks.afterPass) hooks.afterPass(now);
         if (const auto reason = reached(limits, now)) return *reason;

@@ -97,6 +97,7 @@ void RenderSession::restore(Checkpoint checkpoint) {
     StateReader reader(checkpoint.film);
     film_.loadState(reader);
     reader.checkEnd();
+    nonFiniteBefore_ = checkpoint.nonFinite;
     raysBefore_ = checkpoint.rays;
 }
 
@@ -165,7 +166,7 @@ PassReport RenderSession::step() {
     const RunHooks nobody;
     begin(none, nobody);
     const double start = steadySeconds();
-    integrator_.renderPass(film_);
+    integrator_.renderPass(film_, film_.passes());
     end(secondsBefore_ + steadySeconds() - start);
     lastReason_.reset();
     return report();
@@ -176,7 +177,7 @@ PassReport RenderSession::report() const {
 }
 
 RenderSession::Snapshot RenderSession::here(const PassReport& report) const {
-    return {film_, report, rays(), [this] { return integrator_.states(); }};
+    return {film_, report, nonFinite(), rays(), [this] { return integrator_.states(); }};
 }
 
 double RenderSession::raysPerSecond() const { return core::raysPerSecond(rays(), secondsBefore_); }
@@ -226,6 +227,7 @@ Checkpoint RenderSession::checkpoint(const RunOptions& options, const Snapshot& 
     c.limits = options.limits;
     c.identity = identity().dump();
     c.seconds = now.report.seconds;
+    c.nonFinite = now.nonFinite;
     c.rays = now.rays;
     c.window = now.film.window();
     StateWriter writer;
@@ -233,6 +235,12 @@ Checkpoint RenderSession::checkpoint(const RunOptions& options, const Snapshot& 
     c.film = writer.take();
     c.streams = now.streams();
     return c;
+}
+
+TechniqueCounts RenderSession::nonFinite() const {
+    TechniqueCounts counts = nonFiniteBefore_;
+    counts += integrator_.nonFinite();
+    return counts;
 }
 
 RayStatistics RenderSession::rays() const {
@@ -268,11 +276,10 @@ RenderedFrame RenderSession::frame(const Snapshot& now) {
     return frame;
 }
 
-nlohmann::json nonFiniteCounts(const Film& film) {
-    nlohmann::json counts = nlohmann::json::object();
-    const TechniqueCounts all = film.nonFinite();
-    for (size_t i = 0; i < all.size(); ++i) counts[techniqueName(static_cast<Technique>(i))] = all[i];
-    return counts;
+nlohmann::json toJson(const TechniqueCounts& counts) {
+    nlohmann::json json = nlohmann::json::object();
+    for (size_t i = 0; i < counts.size(); ++i) json[techniqueName(static_cast<Technique>(i))] = counts[i];
+    return json;
 }
 
 nlohmann::json RenderSession::statistics(const Snapshot& now, std::optional<StopReason> reason) const {
@@ -301,7 +308,7 @@ nlohmann::json RenderSession::statistics(const Snapshot& now, std::optional<Stop
           {"per_second", core::raysPerSecond(traced, seconds)},
           {"share_of_time", seconds > 0 ? traced.secondsInEmbree / (seconds * threads) : 0.0}}},
         {"peak_memory_bytes", peakMemoryBytes()},
-        {"non_finite", nonFiniteCounts(now.film)},
+        {"non_finite", toJson(now.nonFinite)},
         {"integrator_statistics", integrator_.statistics()},
     };
 }

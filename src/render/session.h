@@ -63,8 +63,8 @@ struct SessionResult {
     nlohmann::json statistics;
 };
 
-/// Contributions that were not finite, by technique, for statistics.
-nlohmann::json nonFiniteCounts(const Film& film);
+/// By the names of the techniques, for statistics.
+nlohmann::json toJson(const TechniqueCounts& counts);
 
 /// A rendering in progress. It owns what it renders: the scene lives as long as one of its users does.
 class RenderSession {
@@ -118,6 +118,7 @@ class RenderSession {
     struct Snapshot {
         const Film& film;
         PassReport report;
+        TechniqueCounts nonFinite;
         RayStatistics rays;
         std::function<std::vector<StreamState>()> streams;
     };
@@ -145,6 +146,7 @@ class RenderSession {
     void report(Run& run, const TeamResult& all, double seconds, SessionResult& result);
     std::unique_ptr<Film> merged(const TeamResult& result) const;
     RayStatistics rays() const;
+    TechniqueCounts nonFinite() const;
 
     std::shared_ptr<const Scene> scene_;
     SessionOptions options_;
@@ -154,7 +156,8 @@ class RenderSession {
     StreamedIntegrator integrator_;
     std::optional<std::vector<ImageLayer>> cameraLayers_;
     double secondsForAovs_ = 0;
-    double secondsBefore_ = 0;  ///< of the runs and processes before
+    double secondsBefore_ = 0;           ///< of the runs and processes before
+    TechniqueCounts nonFiniteBefore_{};  ///< of the processes before
     RayStatistics raysBefore_, counterStart_;
     bool counting_ = false;  ///< rays are being traced: the counters since counterStart_ are this session's
     std::optional<StopReason> lastReason_;

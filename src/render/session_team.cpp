@@ -47,7 +47,7 @@ void RenderSession::shareStreams(Team& team, const RenderLimits& limits) {
 
 std::unique_ptr<Film> RenderSession::merged(const TeamResult& result) const {
     auto film = std::make_unique<Film>(film_.window(), film_.filter());
-    film->addSums(result.sums, result.passes, result.nonFinite);
+    film->addSums(result.sums, result.passes);
     return film;
 }
 
@@ -70,14 +70,14 @@ SessionResult RenderSession::runTogether(Team& team, const RunOptions& options, 
         const bool inTime = !(options.limits.seconds > 0) || seconds() < options.limits.seconds;
         working = working && !stopped && inTime && integrator_.advance();
         if (working) {
-            integrator_.renderPass(film_);
+            integrator_.renderPass(film_, film_.passes());
             if (team.rank() == 0 && hooks.afterPass)
                 hooks.afterPass({film_.passes(), seconds(), kInfinity, -1}, 0, integrator_.progressNote());
             if (seconds() < nextMeeting) continue;
         }
         std::vector<StreamState> own;
         if (keepsStreams && team.rank() > 0) own = integrator_.states(true);
-        const TeamResult all = team.meet({film_, std::move(own), rays(), working, stopped});
+        const TeamResult all = team.meet({film_, std::move(own), nonFinite(), rays(), working, stopped});
         nextMeeting = seconds() + interval;
         stopped = all.interrupted;
         result.reason = stopped                               ? StopReason::Interrupted
@@ -101,7 +101,8 @@ void RenderSession::report(Run& run, const TeamResult& all, double seconds, Sess
         for (auto& [index, state] : states) list.push_back(std::move(state));
         return list;
     };
-    const Snapshot now{*film, {film->passes(), seconds, film->relativeError(), -1}, all.rays, streams};
+    const Snapshot now{
+        *film, {film->passes(), seconds, film->relativeError(), -1}, all.nonFinite, all.rays, streams};
     if (all.working)
         saveWhatIsDue(run, now);
     else

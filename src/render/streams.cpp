@@ -58,6 +58,7 @@ void StreamedIntegrator::wake(uint32_t stream) {
         at(*alive_).state = writer.take();
     }
     alive_.reset();
+    if (integrator_) nonFiniteOfOthers_ += integrator_->nonFinite();
     integrator_.reset();  // before the next one, for the memory
     integrator_ = make_(stream);
     if (at(stream).passes > 0) {
@@ -80,13 +81,19 @@ bool StreamedIntegrator::advance() {
     return true;
 }
 
-void StreamedIntegrator::renderPass(Film& film) {
+void StreamedIntegrator::addPass(Film& film, uint32_t) {
     if (!advance()) throw Error("no stream of this rendering has passes left");
     Stream& stream = at(*alive_);
-    film.setPassIndex(stream.passes);
-    integrator_->renderPass(film);
+    integrator_->addPass(film, stream.passes);
     ++stream.passes;
     ++turn_;
+}
+
+TechniqueCounts StreamedIntegrator::nonFinite() const {
+    TechniqueCounts counts = Integrator::nonFinite();  // what the film has left out
+    counts += nonFiniteOfOthers_;
+    counts += integrator_->nonFinite();
+    return counts;
 }
 
 nlohmann::json StreamedIntegrator::statistics() const {

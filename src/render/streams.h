@@ -59,7 +59,10 @@ class StreamedIntegrator final : public Integrator {
     /// Chooses the stream of the next pass; false when none is left.
     bool advance();
 
-    void renderPass(Film& film) override;
+    /// Adds the next pass of a stream, whose own number names its random numbers: that of the whole is
+    /// unused.
+    void addPass(Film& film, uint32_t pass) override;
+    TechniqueCounts nonFinite() const override;
     nlohmann::json statistics() const override;
     std::string progressNote() const override;
 
@@ -88,6 +91,7 @@ class StreamedIntegrator final : public Integrator {
     std::vector<Stream> streams_;
     std::optional<uint32_t> alive_;
     std::unique_ptr<Integrator> integrator_;
+    TechniqueCounts nonFiniteOfOthers_{};  ///< of integrators that are no longer alive
 };
 
 }  // namespace metrolux::core

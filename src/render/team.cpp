@@ -67,6 +67,8 @@ class MpiTeam final : public Team {
         result.working = any(report.working);
         result.interrupted = any(report.interrupted);
         reduceFilm(report.film, result);
+        MPI_Reduce(report.nonFinite.data(), result.nonFinite.data(), static_cast<int>(kTechniques),
+                   MPI_UINT64_T, MPI_SUM, 0, MPI_COMM_WORLD);
         std::array<uint64_t, 2> rays{report.rays.intersectRays, report.rays.shadowRays}, allRays{};
         MPI_Reduce(rays.data(), allRays.data(), 2, MPI_UINT64_T, MPI_SUM, 0, MPI_COMM_WORLD);
         MPI_Reduce(&report.rays.secondsInEmbree, &result.rays.secondsInEmbree, 1, MPI_DOUBLE, MPI_SUM, 0,
@@ -109,9 +111,6 @@ class MpiTeam final : public Team {
                    MPI_COMM_WORLD);
         const uint32_t passes = film.passes();
         MPI_Reduce(&passes, &result.passes, 1, MPI_UINT32_T, MPI_SUM, 0, MPI_COMM_WORLD);
-        const TechniqueCounts counts = film.nonFinite();
-        MPI_Reduce(counts.data(), result.nonFinite.data(), static_cast<int>(counts.size()), MPI_UINT64_T,
-                   MPI_SUM, 0, MPI_COMM_WORLD);
     }
 
     /// One rank after the other, so that rank 0 holds one message at a time besides the result.

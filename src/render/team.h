@@ -14,8 +14,8 @@ namespace metrolux::core {
 /// What the processes have rendered, summed; complete on rank 0, elsewhere only the flags are set.
 struct TeamResult {
     std::vector<PixelSum> sums;
-    TechniqueCounts nonFinite{};
     std::vector<StreamState> streams;  ///< of the other ranks, if they were asked for
+    TechniqueCounts nonFinite{};
     RayStatistics rays;
     uint32_t passes = 0;
     bool working = false;      ///< whether a process has passes left
@@ -33,6 +33,7 @@ class Team {
     struct Report {
         const Film& film;
         std::vector<StreamState> streams;
+        TechniqueCounts nonFinite;
         RayStatistics rays;
         bool working = false, interrupted = false;
     };

@@ -74,9 +74,6 @@ class Bsdf {
     /// is black.
     virtual Rgb albedo(const SurfaceInteraction& si) const = 0;
 
-    /// Asks for the memory of textures that sample() and evaluate() will read; a hint.
-    virtual void prefetch(const SurfaceInteraction&) const {}
-
     virtual bool hasSmoothLobe() const = 0;  ///< can be connected and merged
     virtual bool hasDeltaLobe() const = 0;
     /// All smooth lobes have a roughness below kNarrow: of the photons that arrive from everywhere next to

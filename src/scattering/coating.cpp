@@ -70,10 +70,6 @@ class Coating final : public Bsdf {
         const float external = eta_ == 1 ? 0.0f : fresnelDiffuseReflectance(eta_);
         return clampUnit(specular_(si) * external + base_->albedo(si) * (1 - external));
     }
-    void prefetch(const SurfaceInteraction& si) const override {
-        specular_.prefetch(si);
-        base_->prefetch(si);
-    }
     bool hasSmoothLobe() const override { return facets_ || base_->hasSmoothLobe(); }
     bool hasDeltaLobe() const override { return !facets_ || base_->hasDeltaLobe(); }
     bool isNarrow(const SurfaceInteraction& si) const override { return !facets_ && base_->isNarrow(si); }

@@ -24,7 +24,6 @@ class Diffuse final : public Bsdf {
     }
 
     Rgb albedo(const SurfaceInteraction& si) const override { return clampUnit(reflectance_(si)); }
-    void prefetch(const SurfaceInteraction& si) const override { reflectance_.prefetch(si); }
     bool hasSmoothLobe() const override { return true; }
     bool hasDeltaLobe() const override { return false; }
 

@@ -26,7 +26,6 @@ class DiffuseTransmitter final : public Bsdf {
     }
 
     Rgb albedo(const SurfaceInteraction& si) const override { return clampUnit(transmittance_(si)); }
-    void prefetch(const SurfaceInteraction& si) const override { transmittance_.prefetch(si); }
     bool hasSmoothLobe() const override { return true; }
     bool hasDeltaLobe() const override { return false; }
     bool isTransmissive() const override { return true; }

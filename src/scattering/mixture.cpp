@@ -49,9 +49,6 @@ class Mixture final : public Bsdf {
         for (const Part& part : parts_) result += part.bsdf->albedo(si) * part.weight;
         return {std::min(result.x, 1.0f), std::min(result.y, 1.0f), std::min(result.z, 1.0f)};
     }
-    void prefetch(const SurfaceInteraction& si) const override {
-        for (const Part& part : parts_) part.bsdf->prefetch(si);
-    }
     bool hasSmoothLobe() const override {
         return any([](const Bsdf& b) { return b.hasSmoothLobe(); });
     }

@@ -32,9 +32,6 @@ class ColorParameter {
           texture_(texture && texture->isConstant() ? nullptr : std::move(texture)) {}
     Rgb operator()(const SurfaceInteraction& si) const { return texture_ ? texture_->rgb(si) : constant_; }
     Rgb mean() const { return texture_ ? texture_->mean() : constant_; }
-    void prefetch(const SurfaceInteraction& si) const {
-        if (texture_) texture_->prefetch(si);
-    }
     const Texture* texture() const { return texture_.get(); }  ///< null when constant
 
   private:

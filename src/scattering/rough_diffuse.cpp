@@ -28,7 +28,6 @@ class RoughDiffuse final : public Bsdf {
     }
 
     Rgb albedo(const SurfaceInteraction& si) const override { return clampUnit(reflectance_(si)); }
-    void prefetch(const SurfaceInteraction& si) const override { reflectance_.prefetch(si); }
     bool hasSmoothLobe() const override { return true; }
     bool hasDeltaLobe() const override { return false; }
 

@@ -20,9 +20,6 @@ class Texture {
     /// A mean over the unit uv square (exact or by texels): for light selection and lobe selection.
     virtual Rgb mean() const = 0;
     virtual bool isConstant() const { return false; }
-    /// Asks for the memory that rgb() will read. A hint, for callers that have something else to do
-    /// meanwhile.
-    virtual void prefetch(const SurfaceInteraction&) const {}
     /// Resolution that an importance table should have to follow the texture; (1,1) for constants.
     virtual Vec2i resolution() const { return {1, 1}; }
 };

@@ -32,7 +32,6 @@ class TwoSided final : public Bsdf {
     Rgb albedo(const SurfaceInteraction& si) const override {
         return front_ == back_ ? front_->albedo(si) : (front_->albedo(si) + back_->albedo(si)) * 0.5f;
     }
-    void prefetch(const SurfaceInteraction& si) const override { front_->prefetch(si); }
     bool hasSmoothLobe() const override { return smooth_; }
     bool isNarrow(const SurfaceInteraction& si) const override {
         return front_->isNarrow(si) && back_->isNarrow(si);

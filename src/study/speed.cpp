@@ -57,7 +57,7 @@ struct Renderer {
 
     Lap pass(int threads) {
         ThreadLimit limit(threads);
-        return measure([&] { limit.execute([&] { integrator->renderPass(film); }); });
+        return measure([&] { limit.execute([&] { integrator->renderPass(film, film.passes()); }); });
     }
 };
 
@@ -189,21 +189,21 @@ class TechniqueBench {
         const double n = double(pixels_.size());
         strategies_ = Strategies::bidirectional(1, n * std::numbers::pi * radius_ * radius_, &photons_);
         eyePass(true, eyes_);
-        grid_.build(eyes_.all(), static_cast<float>(radius_));
+        grid_.build(positionsOf(eyes_.all()), static_cast<float>(radius_));
     }
 
     Lap eye(bool nee) {
         return timed([&] { eyePass(nee, scratch_); });
     }
     Lap gridBuild() {
-        return timed([&] { grid_.build(eyes_.all(), static_cast<float>(radius_)); });
+        return timed([&] { grid_.build(positionsOf(eyes_.all()), static_cast<float>(radius_)); });
     }
     Lap light(bool splat, bool connect, bool merge, TechniqueWork* work = nullptr) {
         Strategies strategies = strategies_;
         if (!splat) strategies.splat = 0;
         if (!connect) strategies.connect = 0;
         if (!merge) strategies.merge = 0;
-        LightSubpathPass pass{scene_, o_.options.limits, strategies, eyes_, grid_, film_};
+        LightSubpathPass pass{scene_, o_.options.limits, strategies, eyes_, grid_, nonFinite_};
         pass.work = work;
         return timed([&] { independentLightSubpaths(pass, film_, o_.options.seed, {0, 0, pixels_.size()}); });
     }
@@ -214,7 +214,8 @@ class TechniqueBench {
     void eyePass(bool nee, EyeVertices& result) {
         Strategies strategies = strategies_;
         if (!nee) strategies.nee = 0;
-        wavefronts_.run({scene_, o_.options.limits, strategies, o_.options.seed, 0}, pixels_, film_, result);
+        wavefronts_.run({scene_, o_.options.limits, strategies, nonFinite_, o_.options.seed, 0}, pixels_,
+                        film_, result);
     }
     template <class Body>
     Lap timed(Body&& body) {
@@ -225,6 +226,7 @@ class TechniqueBench {
     const Scene& scene_;
     SpeedOptions o_;
     Film film_;
+    NonFiniteCounts nonFinite_;
     double radius_;
     std::vector<uint32_t> pixels_;
     PhotonDensity photons_;

@@ -81,7 +81,7 @@ Run render(const Scene& scene, const Entrant& entrant, uint64_t seed, RenderLimi
     run.reason = renderPasses(*integrator, film, limits, hooks);
     progress.finish();
     run.image = imageOf(film);
-    const TechniqueCounts nonFinite = film.nonFinite();
+    const TechniqueCounts nonFinite = integrator->nonFinite();
     run.nonFinite = std::accumulate(nonFinite.begin(), nonFinite.end(), uint64_t{0});
     run.statistics = integrator->statistics();
     return run;

@@ -11,16 +11,16 @@ namespace {
 /// Adds up hit and nee of one eye subpath and keeps its vertices.
 class EyeVisitor final : public SubpathVisitor {
   public:
-    EyeVisitor(const EyePass& pass, SampleStream* nee, Film& film, std::vector<Vertex>& kept)
-        : pass_(pass), nee_(nee), film_(film), kept_(kept) {}
+    EyeVisitor(const EyePass& pass, SampleStream* nee, std::vector<Vertex>& kept)
+        : pass_(pass), nee_(nee), kept_(kept) {}
 
     const Rgb& sum() const { return sum_; }
 
     bool surface(const Vertex& v) override {
-        sum_ += pass_.hit(v, film_);
+        sum_ += pass_.hit(v);
         joins_ = pass_.joins(v);
         if (joins_ && pass_.extensible(v)) {
-            if (nee_ && pass_.strategies.nee > 0) sum_ += pass_.estimateDirect(v, *nee_, film_);
+            if (nee_ && pass_.strategies.nee > 0) sum_ += pass_.estimateDirect(v, *nee_);
             if (pass_.strategies.joinsSubpaths()) kept_.push_back(v);
         }
         return true;
@@ -29,21 +29,16 @@ class EyeVisitor final : public SubpathVisitor {
     bool scattered(bool delta) override { return pass_.follows(joins_, delta); }
 
     void escaped(const Vec3f& from, const WalkEdge& edge, int depth) override {
-        sum_ += pass_.escaped(from, edge, depth, film_);
+        sum_ += pass_.escaped(from, edge, depth);
     }
 
   private:
     const EyePass& pass_;
     SampleStream* nee_;
-    Film& film_;
     std::vector<Vertex>& kept_;
     Rgb sum_{0.0f};
     bool joins_ = false;  ///< at the last vertex
 };
-
-Rgb finite(const Rgb& value, Technique technique, Film& film) {
-    return film.rejectNonFinite(value, technique) ? Rgb(0.0f) : value;
-}
 
 }  // namespace
 
@@ -56,14 +51,14 @@ void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& res
         float weight = 1;
         const Vec2f raster = film.samplePosition(pixel, read(stream, layout::kRaster), weight);
         kept.clear();
-        film.addEye(pixel, trace(stream, &nee, raster, weight, pixel, film, kept));
+        film.addEye(pixel, trace(stream, &nee, raster, weight, pixel, kept));
         result.append(kept);
     }
 }
 
 Rgb EyePass::trace(SampleStream& stream, SampleStream* nee, const Vec2f& raster, float weight, uint32_t pixel,
-                   Film& film, std::vector<Vertex>& kept) const {
-    EyeVisitor visitor(*this, nee, film, kept);
+                   std::vector<Vertex>& kept) const {
+    EyeVisitor visitor(*this, nee, kept);
     traceEyeSubpath(scene, stream, limits, strategies, raster, weight, pixel, visitor);
     return visitor.sum();
 }
@@ -74,22 +69,22 @@ uint64_t EyePass::key(const FilmWindow& w, uint32_t pixel) const {
     return hashKey(seed, StreamPurpose::EyeSubpath, x, y);
 }
 
-Rgb EyePass::hit(const Vertex& v, Film& film) const {
+Rgb EyePass::hit(const Vertex& v) const {
     if (!v.emitter() || !countsHit(v.depth)) return Rgb(0.0f);
-    return finite(hitLight(scene, strategies, v), Technique::Hit, film);
+    return nonFinite.finite(hitLight(scene, strategies, v), Technique::Hit);
 }
 
-Rgb EyePass::escaped(const Vec3f& from, const WalkEdge& edge, int depth, Film& film) const {
+Rgb EyePass::escaped(const Vec3f& from, const WalkEdge& edge, int depth) const {
     if (!countsHit(depth)) return Rgb(0.0f);
-    return finite(
+    return nonFinite.finite(
         hitEnvironment(scene, strategies, from, edge.ray.direction, edge.throughput, edge.mis, depth),
-        Technique::Hit, film);
+        Technique::Hit);
 }
 
-Rgb EyePass::estimateDirect(const Vertex& v, SampleStream& nee, Film& film) const {
+Rgb EyePass::estimateDirect(const Vertex& v, SampleStream& nee) const {
     const float uLight = read(nee, layout::kNeeLight, v.depth);
     const Vec2f uPoint = read(nee, layout::kNeePoint, v.depth);
-    return finite(connectToLight(scene, strategies, v, uLight, uPoint), Technique::Nee, film);
+    return nonFinite.finite(connectToLight(scene, strategies, v, uLight, uPoint), Technique::Nee);
 }
 
 }  // namespace metrolux::core

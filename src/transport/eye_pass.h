@@ -4,6 +4,7 @@
 #include "image/film.h"
 #include "sampling/sample_stream.h"
 #include "scene/scene.h"
+#include "transport/technique.h"
 #include "transport/walk.h"
 
 #include <span>
@@ -44,6 +45,7 @@ struct EyePass {
     const Scene& scene;
     const PathLimits& limits;
     const Strategies& strategies;
+    NonFiniteCounts& nonFinite;  ///< counts what trace() and its parts leave out
     uint64_t seed = 0;
     uint32_t pass = 0;
 
@@ -52,9 +54,9 @@ struct EyePass {
 
     /// Traces one eye subpath (traceEyeSubpath) through `raster` and returns its hit and nee; appends its
     /// vertices to `kept`. Next-event estimation at depth d reads block d of `nee`; without a stream it is
-    /// left to the caller. `film` counts non-finite contributions.
+    /// left to the caller.
     Rgb trace(SampleStream& stream, SampleStream* nee, const Vec2f& raster, float weight, uint32_t pixel,
-              Film& film, std::vector<Vertex>& kept) const;
+              std::vector<Vertex>& kept) const;
 
     // What trace() is made of, for those who trace many subpaths together.
 
@@ -64,10 +66,10 @@ struct EyePass {
     WalkRules rules() const { return {scene, limits, strategies, TransportMode::Radiance}; }
 
     /// What hitting an emitter by chance adds: at a vertex, and beyond the scene (SubpathVisitor::escaped).
-    Rgb hit(const Vertex& v, Film& film) const;
-    Rgb escaped(const Vec3f& from, const WalkEdge& edge, int depth, Film& film) const;
+    Rgb hit(const Vertex& v) const;
+    Rgb escaped(const Vec3f& from, const WalkEdge& edge, int depth) const;
     /// Next-event estimation at one vertex of a subpath.
-    Rgb estimateDirect(const Vertex& v, SampleStream& nee, Film& film) const;
+    Rgb estimateDirect(const Vertex& v, SampleStream& nee) const;
 
     /// Whether other techniques than hit work at a vertex. Photon mapping leaves narrow lobes to the walk.
     bool joins(const Vertex& v) const {

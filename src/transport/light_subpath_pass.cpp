@@ -39,7 +39,7 @@ class LightSubpathVisitor final : public SubpathVisitor {
         if (!pass_.limits.admits(v.depth + 1)) return;
         Vec2f raster;
         const Rgb value = connectToCamera(pass_.scene, pass_.strategies, v, uLens_, raster);
-        if (!pass_.film.rejectNonFinite(value, Technique::Splat) && !isBlack(value))
+        if (!pass_.nonFinite.reject(value, Technique::Splat) && !isBlack(value))
             job_.splats->film.push_back({raster, value});
     }
     void connect(const Vertex& v) {

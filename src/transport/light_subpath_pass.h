@@ -1,8 +1,8 @@
 #pragma once
-#include "image/film.h"
+#include "image/splat.h"
 #include "sampling/sample_stream.h"
+#include "spatial/vertex_grid.h"
 #include "transport/eye_pass.h"
-#include "transport/vertex_grid.h"
 
 #include <atomic>
 #include <span>
@@ -34,7 +34,7 @@ struct LightSubpathPass {
     const Strategies& strategies;
     const EyeVertices& eyes;
     const VertexGrid& grid;         ///< over them; empty: nothing to merge with
-    Film& film;                     ///< counts non-finite contributions, nothing else
+    NonFiniteCounts& nonFinite;     ///< counts what is left out
     TechniqueWork* work = nullptr;  ///< counts, if given; in wavefronts only
 
     /// Scales: a pixel splat is the estimate of its pixel from one light subpath; divide by the number of
@@ -62,8 +62,7 @@ struct LightSubpathPass {
     }
     /// Adds a finite contribution to a pixel.
     void addPixel(uint32_t pixel, const Rgb& value, Technique technique, SplatList& splats) const {
-        if (!film.rejectNonFinite(value, technique) && !isBlack(value))
-            splats.pixels.push_back({pixel, value});
+        if (!nonFinite.reject(value, technique) && !isBlack(value)) splats.pixels.push_back({pixel, value});
     }
 };
 

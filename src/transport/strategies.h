@@ -1,6 +1,6 @@
 #pragma once
 #include "base/math.h"
-#include "transport/photon_density.h"
+#include "spatial/photon_density.h"
 
 #include <algorithm>
 

@@ -1,6 +1,7 @@
 #pragma once
 #include "geometry/shape.h"
 #include "scattering/bsdf.h"
+#include "spatial/point_span.h"
 #include "transport/mis.h"
 
 #include <cstring>
@@ -45,6 +46,11 @@ struct Vertex {
   private:
     const Bsdf& bsdf() const { return *si.shape->bsdf; }
 };
+
+/// Where they lie, for a VertexGrid.
+inline PointSpan positionsOf(std::span<const Vertex> vertices) {
+    return {vertices, [](const Vertex& v) -> const Vec3f& { return v.si.p; }};
+}
 
 /// Makes a copy in memory that need not be initialized. Byte by byte, as wide as the processor can: Imath's
 /// vectors have copy constructors of their own, which go number by number.

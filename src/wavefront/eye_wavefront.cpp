@@ -68,7 +68,7 @@ void EyeWavefront::arrive(std::span<const uint32_t> pixels, int depth) {
         Vertex& v = subpath.v;
         const Vec3f from = depth == 1 ? subpath.edge.ray.origin : v.si.p;
         if (!rays_.hits[k].found()) {
-            subpath.sum += pass_.escaped(from, subpath.edge, depth, film_);
+            subpath.sum += pass_.escaped(from, subpath.edge, depth);
             continue;
         }
         intersector.interaction(rays_, k, v.si);
@@ -117,7 +117,7 @@ void EyeWavefront::gather(Kept& kept) {
     const bool keeps = pass_.strategies.joinsSubpaths();
     for (const uint32_t i : active_) {
         Subpath& subpath = subpaths_[i];
-        subpath.sum += pass_.hit(subpath.v, film_);
+        subpath.sum += pass_.hit(subpath.v);
         subpath.joins = pass_.joins(subpath.v);
         if (!keeps || !subpath.joins || !pass_.extensible(subpath.v)) continue;
         kept.vertices.resize(kept.vertices.size() + 1);
@@ -142,7 +142,7 @@ void EyeWavefront::estimateDirect() {
     pass_.scene.intersector().occluded(shadows_);
     for (size_t i = 0; i < waiting_.size(); ++i) {
         const Rgb value = throughEdge(waiting_[i].value, visibility(shadows_.blocked[i]));
-        if (!film_.rejectNonFinite(value, Technique::Nee)) subpaths_[waiting_[i].subpath].sum += value;
+        if (!pass_.nonFinite.reject(value, Technique::Nee)) subpaths_[waiting_[i].subpath].sum += value;
     }
     waiting_.clear();
     shadows_.clear();

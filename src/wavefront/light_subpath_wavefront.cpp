@@ -162,7 +162,7 @@ void LightSubpathWavefront::splat(int depth) {
     if (pass_->work) pass_->work->splats += tried;
     traceShadows();
     for (const Waiting& w : waiting_)
-        if (!pass_->film.rejectNonFinite(w.value, Technique::Splat))
+        if (!pass_->nonFinite.reject(w.value, Technique::Splat))
             subpaths_[w.subpath].job.splats->film.push_back({w.raster, w.value});
     waiting_.clear();
 }

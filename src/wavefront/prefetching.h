@@ -3,8 +3,8 @@
 /// the next will read is on its way meanwhile.
 
 #include "base/prefetch.h"
+#include "spatial/vertex_grid.h"
 #include "transport/strategies.h"
-#include "transport/vertex_grid.h"
 
 #include <algorithm>
 

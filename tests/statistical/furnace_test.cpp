@@ -203,7 +203,7 @@ TEST(McmcVcm, NoPassIsDarkerOrBrighterThanTheOthers) {
         const std::unique_ptr<Integrator> integrator = makeIntegrator("mcmc_vcm", *scene, options);
         std::vector<double> sums = {0};  // of the mean radiance, after each pass
         for (int pass = 0; pass < kPasses; ++pass) {
-            integrator->renderPass(film);
+            integrator->renderPass(film, film.passes());
             double sum = 0;
             for (const float v : film.image()) sum += v;
             sums.push_back(sum / (3.0 * film.pixelCount()) * (pass + 1));

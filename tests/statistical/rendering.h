@@ -48,10 +48,8 @@ inline std::vector<float> renderImage(const Scene& scene, const RenderSetup& set
     Film film(scene.camera().window(), ReconstructionFilter(setup.filter, {}));
     const std::unique_ptr<Integrator> integrator =
         makeIntegrator(setup.integrator, scene, options, parameters);
-    for (int i = 0; i < setup.passes; ++i) integrator->renderPass(film);
-    for (int t = 0; t < int(Technique::Count); ++t)
-        EXPECT_EQ(film.nonFinite(Technique(t)), 0u)
-            << setup.integrator << ": " << techniqueName(Technique(t));
+    for (int i = 0; i < setup.passes; ++i) integrator->renderPass(film, film.passes());
+    EXPECT_EQ(integrator->nonFinite(), TechniqueCounts{}) << setup.integrator;
     return film.image();
 }
 

@@ -29,7 +29,7 @@ class RenderableScene {
             parameters["radius"] = radiusFactor * projectedPixelRadius(*scene_, limits_);
         Film film(scene_->camera().window(), filter_);
         const auto integrates = makeIntegrator(integrator, *scene_, options, parameters);
-        for (int i = 0; i < passes; ++i) integrates->renderPass(film);
+        for (int i = 0; i < passes; ++i) integrates->renderPass(film, film.passes());
         return film.image();
     }
 

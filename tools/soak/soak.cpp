@@ -103,9 +103,10 @@ class Rendering {
           integrator_(makeIntegrator(choice.integrator, scene, choice.options, choice.parameters)) {}
 
     void render(int passes) {
-        for (int i = 0; i < passes; ++i) integrator_->renderPass(film_);
+        for (int i = 0; i < passes; ++i) integrator_->renderPass(film_, film_.passes());
     }
     const Film& film() const { return film_; }
+    TechniqueCounts nonFinite() const { return integrator_->nonFinite(); }
     std::string state() const {
         StateWriter writer;
         film_.saveState(writer);
@@ -143,7 +144,7 @@ void render(const Settings& settings, const Scene& scene, const std::string& int
     const std::vector<float> image = whole.film().image();
     const auto bad = std::count_if(image.begin(), image.end(), [](float v) { return !std::isfinite(v); });
     nlohmann::json result{
-        {"rendered", integrator}, {"bad_values", bad}, {"rejected", nonFiniteCounts(whole.film())}};
+        {"rendered", integrator}, {"bad_values", bad}, {"rejected", toJson(whole.nonFinite())}};
     if (stop > 0) {
         Rendering resumed(scene, choice);
         resumed.load(saved);

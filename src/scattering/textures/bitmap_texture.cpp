@@ -1,7 +1,6 @@
 #include "scattering/textures/bitmap_texture.h"
 
 #include "base/error.h"
-#include "base/prefetch.h"
 
 #include <array>
 #include <bit>
@@ -55,18 +54,6 @@ class BitmapTexture final : public Texture {
         }
         return image_.toUv.pullBack(
             {perTexel.x * static_cast<float>(image_.width), perTexel.y * static_cast<float>(image_.height)});
-    }
-
-    void prefetch(const SurfaceInteraction& si) const override {
-        const Vec2f p = pixelPosition(si);
-        const float half = nearest() ? 0.0f : 0.5f;
-        const int x = std::max(wrapU(floorInt(p.x - half)), 0), y = floorInt(p.y - half);
-        const auto ask = [&](size_t i) {
-            metrolux::core::prefetch(palette_ ? static_cast<const void*>(&palette_->codes[i])
-                                              : &(*image_.pixels)[i]);
-        };
-        ask(index(x, std::max(wrapV(y), 0)));
-        if (!nearest()) ask(index(x, std::max(wrapV(y + 1), 0)));
     }
 
     Rgb mean() const override { return mean_; }

@@ -16,7 +16,6 @@ class ScaledTexture final : public Texture {
     }
     Rgb mean() const override { return p_.texture->mean() * p_.scale; }
     bool isConstant() const override { return p_.texture->isConstant(); }
-    void prefetch(const SurfaceInteraction& si) const override { p_.texture->prefetch(si); }
     Vec2i resolution() const override { return p_.texture->resolution(); }
 
   private:

@@ -231,7 +231,7 @@ TEST(SunSky, integratorsAgree) {
             options.limits = scene->parts().limits;
             Film film(scene->camera().window(), ReconstructionFilter(ReconstructionFilter::Kind::Box, {}));
             const auto integrator = makeIntegrator(name, *scene, options);
-            for (int i = 0; i < passes; ++i) integrator->renderPass(film);
+            for (int i = 0; i < passes; ++i) integrator->renderPass(film, film.passes());
             const std::vector<float> image = film.image();
             double sums[5] = {};
             for (size_t pixel = 0; pixel < 64; ++pixel) {

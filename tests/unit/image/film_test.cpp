@@ -257,12 +257,13 @@ TEST(Film, NonFiniteAndHugeValuesAreCountedNotAdded) {
     splats.film.push_back({Vec2f(0.5f, 0.5f), Rgb(0, 0, nan)});
     splats.film.push_back({Vec2f(nan, 0.5f), Rgb(1.0f)});
     film.addSplats(splats, 1);
-    film.endPass();
+    const Film::LeftOut leftOut = film.endPass();
     EXPECT_EQ(film.image(), std::vector<float>(6, 0.0f));
-    EXPECT_EQ(film.nonFinite(Technique::Hit), 2u);
-    EXPECT_EQ(film.nonFinite(Technique::Merge), 3u);
-    EXPECT_EQ(film.nonFinite(Technique::Splat), 2u);
-    EXPECT_EQ(film.nonFinite(Technique::Nee), 0u);
+    EXPECT_EQ(leftOut.pixels, 2u);
+    EXPECT_EQ(leftOut.pixelSplats, 3u);
+    EXPECT_EQ(leftOut.filmSplats, 2u);
+    film.addEye(1, Rgb(3e38f));
+    EXPECT_EQ(film.endPass().pixels, 1u) << "of the pass alone";
 }
 
 TEST(Film, VarianceOfTheMeanOfKnownNumbers) {

@@ -17,7 +17,8 @@ TEST(IndependentLightSubpaths, IsTheSumOfItsSubpaths) {
     Film together(scene->camera().window(), filter), alone(scene->camera().window(), filter);
     constexpr size_t kFirst = 11, kCount = 3000;
     std::vector<double> sizes;
-    const LightSubpathPass pass{*scene, scene->parts().limits, strategies, eyes, grid, together};
+    NonFiniteCounts nonFinite;
+    const LightSubpathPass pass{*scene, scene->parts().limits, strategies, eyes, grid, nonFinite};
     independentLightSubpaths(pass, together, 3, {7, kFirst, kCount, 0.5}, nullptr, &sizes);
     ASSERT_EQ(sizes.size(), kCount);
 

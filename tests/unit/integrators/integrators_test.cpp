@@ -23,11 +23,10 @@ std::vector<float> render(const Scene& scene, const std::string& name, CommonOpt
     const std::unique_ptr<Integrator> integrator = makeIntegrator(name, scene, options);
     tbb::task_arena arena(threads);
     arena.execute([&] {
-        for (int i = 0; i < passes; ++i) integrator->renderPass(film);
+        for (int i = 0; i < passes; ++i) integrator->renderPass(film, film.passes());
     });
     EXPECT_EQ(film.passes(), uint32_t(passes));
-    for (int t = 0; t < int(Technique::Count); ++t)
-        EXPECT_EQ(film.nonFinite(Technique(t)), 0u) << name << ": " << techniqueName(Technique(t));
+    EXPECT_EQ(integrator->nonFinite(), TechniqueCounts{}) << name;
     EXPECT_TRUE(integrator->statistics().is_object());
     return film.image();
 }

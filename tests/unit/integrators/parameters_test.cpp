@@ -90,7 +90,7 @@ TEST_P(EachDescription, ParametersChangeTheImage) {
         CommonOptions options;
         options.seed = 5;
         const auto integrator = makeIntegrator(GetParam(), *scene, options, values);
-        for (int pass = 0; pass < 8; ++pass) integrator->renderPass(film);
+        for (int pass = 0; pass < 8; ++pass) integrator->renderPass(film, film.passes());
         return film.image();
     };
     const std::vector<float> plain = image({});

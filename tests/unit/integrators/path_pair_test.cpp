@@ -104,7 +104,8 @@ TEST(PathPair, SingleTechniquesAddUpToAll) {
     const PathLimits limits = s->parts().limits;
     Film film(s->camera().window(), ReconstructionFilter(ReconstructionFilter::Kind::Box, {}));
     const Strategies strategies = Strategies::bidirectional(1, 0);
-    const PathPair pair{*s, limits, strategies, film};
+    NonFiniteCounts nonFinite;
+    const PathPair pair{*s, limits, strategies, film, nonFinite};
     Columns all;
     std::map<int, Columns> one;
     SplatList splats;
@@ -142,7 +143,8 @@ TEST(PathPair, StaysWithinReachOfACropWindow) {
     EXPECT_FLOAT_EQ(reach.lower.y, 15 - margin);
     EXPECT_FLOAT_EQ(reach.upper.y, 20) << "the image ends here";
     const Strategies strategies = Strategies::bidirectional(1, 0);
-    const PathPair pair{*s, limits, strategies, film};
+    NonFiniteCounts nonFinite;
+    const PathPair pair{*s, limits, strategies, film, nonFinite};
     SplatList splats;
     size_t found = 0;
     for (int i = 0; i < 3000; ++i) {

@@ -12,11 +12,10 @@ class FakeIntegrator final : public Resumable<FakeIntegrator> {
   public:
     explicit FakeIntegrator(std::function<float(uint32_t)> values = [](uint32_t) { return 1.0f; })
         : values_(std::move(values)) {}
-    void renderPass(Film& film) override {
-        const float value = values_(film.passes());
+    void addPass(Film& film, uint32_t pass) override {
+        const float value = values_(pass);
         for (int i = 0; i < film.pixelCount(); ++i)
             film.addEye(static_cast<uint32_t>(i), Rgb(value, 0, 2 * value));
-        film.endPass();
     }
     template <class Archive>
     void serialize(Archive&) {}

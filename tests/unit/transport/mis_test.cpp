@@ -4,6 +4,7 @@
 #include "transport/mis.h"
 
 #include "base/rng.h"
+#include "transport/vertex.h"
 
 #include <gtest/gtest.h>
 
@@ -165,6 +166,33 @@ TEST(Mis, ALightThatNextEventCannotReachTakesNoPart) {
     EXPECT_EQ(s.dVCM, 0);
     EXPECT_EQ(s.dVC, 0);
     EXPECT_EQ(splatWeight(Strategies::bidirectional(1, 0), s, 1, 1), 1);
+}
+
+TEST(Strategies, PhotonDensityLimitsWhatMergesCountFor) {
+    PhotonDensity d(0.1);
+    CounterRng rng(5);
+    for (int i = 0; i < 200000; ++i) {  // uniform on a unit square
+        const Vec2f u = rng.next2D();
+        d.count({u.x, u.y, 0.3f});
+    }
+    d.endIteration(200000);
+    const Vec3f lit(0.55f, 0.55f, 0.3f), dark(-3, 0, 0);
+    const double density = d.roughlyAt(lit);
+    EXPECT_NEAR(density / d.at(lit), 1, 1.0 / 16);
+    Strategies n = Strategies::bidirectional(2, 10, &d);
+    EXPECT_NEAR(n.mergeShare(lit), 1 / (20 * density), 1e-12);  // K = lambda eta * density
+    EXPECT_EQ(n.mergeShare(dark), 1);
+    n.merge = 0.01;  // fewer than one photon expected
+    EXPECT_EQ(n.mergeShare(lit), 1);
+    EXPECT_EQ(Strategies::bidirectional(2, 10).mergeShare(lit), 1);
+    EXPECT_EQ(Strategies::path().mergeShare(lit), 1);
+}
+
+TEST(Vertex, IsSmallAndPlain) {
+    // Not formally trivially copyable only because Imath's vectors declare their copies.
+    static_assert(std::is_trivially_destructible_v<Vertex> && std::is_nothrow_copy_constructible_v<Vertex>);
+    RecordProperty("bytes", static_cast<int>(sizeof(Vertex)));
+    EXPECT_LE(sizeof(Vertex), 160u);
 }
 
 }  // namespace

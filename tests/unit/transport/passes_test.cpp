@@ -20,11 +20,11 @@ using test::SceneBuilder;
 struct EyesOfGlassScene {
     explicit EyesOfGlassScene(float radius) {
         const Strategies strategies = Strategies::bidirectional(1, 0.1);
-        EyePass{*scene, limits, strategies, 7, 0}.run(pixels, film, eyes);
-        grid.build(eyes.all(), radius);
+        EyePass{*scene, limits, strategies, nonFinite, 7, 0}.run(pixels, film, eyes);
+        grid.build(positionsOf(eyes.all()), radius);
     }
     LightSubpathPass pass(const Strategies& strategies) {
-        return {*scene, limits, strategies, eyes, grid, film};
+        return {*scene, limits, strategies, eyes, grid, nonFinite};
     }
     std::shared_ptr<Scene> scene = test::glassScene();
     PathLimits limits = scene->parts().limits;
@@ -32,6 +32,7 @@ struct EyesOfGlassScene {
     std::vector<uint32_t> pixels = hilbertOrder(film.width(), film.height());
     EyeVertices eyes;
     VertexGrid grid;
+    NonFiniteCounts nonFinite;
 };
 
 TEST(EyePass, KeepsTheVerticesOfEachSubpathTogether) {
@@ -61,7 +62,8 @@ TEST(EyePass, DoesWhatHasACount) {
     const auto image = [&](const Strategies& strategies, size_t& vertices) {
         Film film = test::gaussianFilm(*s.scene);
         EyeVertices eyes;
-        EyePass{*s.scene, s.limits, strategies, 7, 0}.run(s.pixels, film, eyes);
+        NonFiniteCounts nonFinite;
+        EyePass{*s.scene, s.limits, strategies, nonFinite, 7, 0}.run(s.pixels, film, eyes);
         film.endPass();
         const std::vector<float> rgb = film.image();
         double sum = 0;

@@ -25,7 +25,8 @@ EyeResult eyeResult(const Scene& scene, const Strategies& strategies, Run&& run)
     PathLimits limits = scene.parts().limits;
     limits.rouletteDepth = 3;
     EyeResult result;
-    run(EyePass{scene, limits, strategies, 7, 5}, hilbertOrder(film.width(), film.height()), film,
+    NonFiniteCounts nonFinite;
+    run(EyePass{scene, limits, strategies, nonFinite, 7, 5}, hilbertOrder(film.width(), film.height()), film,
         result.eyes);
     film.endPass();
     result.image = film.image();
@@ -79,15 +80,17 @@ TEST(LightSubpathWavefront, GivesTheBitsOfTheDefinition) {
     Film film = test::gaussianFilm(*scene);
     EyeVertices eyes;
     const Strategies forEyes = Strategies::bidirectional(1, 0.1);
-    EyePass{*scene, limits, forEyes, 7, 0}.run(hilbertOrder(film.width(), film.height()), film, eyes);
+    NonFiniteCounts nonFinite;
+    EyePass{*scene, limits, forEyes, nonFinite, 7, 0}.run(hilbertOrder(film.width(), film.height()), film,
+                                                          eyes);
     VertexGrid grid;
-    grid.build(eyes.all(), 0.25f);
+    grid.build(positionsOf(eyes.all()), 0.25f);
     PhotonDensity photons(0.4), counted(0.4), expectedCounts(0.4);
     for (const Vertex& v : eyes.all()) photons.count(v.si.p);
     photons.endIteration(1000);
     Strategies strategies = Strategies::bidirectional(1, 0.1, &photons);
     strategies.connect = 0.5;
-    const LightSubpathPass pass{*scene, limits, strategies, eyes, grid, film};
+    const LightSubpathPass pass{*scene, limits, strategies, eyes, grid, nonFinite};
 
     constexpr size_t kCount = 400;
     std::vector<IndependentStream> streams;
@@ -136,7 +139,7 @@ TEST(StagedGridQuery, FindsWhatAQueryFindsInItsOrder) {
     std::vector<Vec3f> points(2000);
     for (Vec3f& p : points) p = point();
     VertexGrid grid;
-    grid.buildPoints(points, 0.1f);
+    grid.build(points, 0.1f);
     size_t found = 0;
     for (int i = 0; i < 200; ++i) {
         const Vec3f p = point();

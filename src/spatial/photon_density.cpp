@@ -1,7 +1,7 @@
-#include "transport/photon_density.h"
+#include "spatial/photon_density.h"
 
 #include "base/parallel.h"
-#include "transport/cell_blocks.h"
+#include "spatial/cell_blocks.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "transport/vertex_grid.h"
+#include "spatial/vertex_grid.h"
 
 #include "base/rng.h"
 #include "base/warp.h"
@@ -8,18 +8,27 @@
 namespace metrolux::core {
 namespace {
 
-std::vector<Vertex> vertices(const std::vector<Vec3f>& points) {
-    std::vector<Vertex> result(points.size());
-    for (size_t i = 0; i < points.size(); ++i) result[i].si.p = points[i];
+/// Something that has a position among other things.
+struct Thing {
+    double before = 0;
+    Vec3f position{0.0f};
+    int after = 0;
+};
+std::vector<Thing> things(const std::vector<Vec3f>& points) {
+    std::vector<Thing> result(points.size());
+    for (size_t i = 0; i < points.size(); ++i) result[i].position = points[i];
     return result;
+}
+PointSpan positionsOf(const std::vector<Thing>& things) {
+    return {std::span(things), [](const Thing& t) -> const Vec3f& { return t.position; }};
 }
 
 /// Compares all queries with a scan of all points; each index must come once.
 void expectSameAsBruteForce(const std::vector<Vec3f>& points, float radius,
                             const std::vector<Vec3f>& queries) {
     VertexGrid grid, ofPoints;
-    grid.build(vertices(points), radius);
-    ofPoints.buildPoints(points, radius);
+    grid.build(positionsOf(things(points)), radius);
+    ofPoints.build(points, radius);
     EXPECT_EQ(grid.radius(), radius);
     std::vector<int> visits(points.size());
     for (const Vec3f& q : queries) {
@@ -93,10 +102,9 @@ TEST(VertexGrid, WorksFarFromTheOrigin) {
 TEST(VertexGrid, OrderDependsOnTheVerticesOnly) {
     const std::vector<Vec3f> points = randomPoints(500, {0, 0, 0}, 1, 30);
     VertexGrid a, b;
-    a.build(vertices(points), 0.3f);
-    b.build(vertices(randomPoints(9000, {0, 0, 0}, 5, 31)),
-            0.01f);  // built twice: nothing of the first remains
-    b.build(vertices(points), 0.3f);
+    a.build(points, 0.3f);
+    b.build(randomPoints(9000, {0, 0, 0}, 5, 31), 0.01f);  // built twice: nothing of the first remains
+    b.build(points, 0.3f);
     std::vector<uint32_t> first, second;
     a.query({0, 0, 0}, [&](uint32_t i) { first.push_back(i); });
     b.query({0, 0, 0}, [&](uint32_t i) { second.push_back(i); });
@@ -108,22 +116,16 @@ TEST(VertexGrid, EmptyAndSingle) {
     VertexGrid grid;
     int visits = 0;
     grid.query({0, 0, 0}, [&](uint32_t) { ++visits; });
-    grid.build({}, 1);
+    grid.build(std::vector<Vec3f>(), 1);
+    grid.build(positionsOf({}), 1);
     grid.query({0, 0, 0}, [&](uint32_t) { ++visits; });
     EXPECT_EQ(visits, 0);
-    grid.build(vertices({{5, 5, 5}}), 1);
+    grid.build(std::vector<Vec3f>{{5, 5, 5}}, 1);
     grid.query({5, 5, 4}, [&](uint32_t i) { visits += i == 0; });
     EXPECT_EQ(visits, 1);
     grid.clear();
     grid.query({5, 5, 4}, [&](uint32_t) { ++visits; });
     EXPECT_EQ(visits, 1);
-}
-
-TEST(Vertex, IsSmallAndPlain) {
-    // Not formally trivially copyable only because Imath's vectors declare their copies.
-    static_assert(std::is_trivially_destructible_v<Vertex> && std::is_nothrow_copy_constructible_v<Vertex>);
-    RecordProperty("bytes", static_cast<int>(sizeof(Vertex)));
-    EXPECT_LE(sizeof(Vertex), 160u);
 }
 
 }  // namespace

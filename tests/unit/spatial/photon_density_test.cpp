@@ -1,7 +1,6 @@
-#include "transport/photon_density.h"
+#include "spatial/photon_density.h"
 
 #include "base/rng.h"
-#include "transport/mis.h"
 
 #include <gtest/gtest.h>
 
@@ -70,22 +69,6 @@ TEST(PhotonDensity, IsRoughlyWhatItIs) {
     dense.endIteration(1);
     EXPECT_LT(dense.roughlyAt(p), dense.at(p));
     EXPECT_GT(dense.roughlyAt(p) * 0.1 * 0.1, 8);
-}
-
-TEST(PhotonDensity, LimitsWhatMergesCountFor) {
-    PhotonDensity d(0.1);
-    countUniform(d, 200000, false);
-    d.endIteration(200000);
-    const Vec3f lit(0.55f, 0.55f, 0.3f), dark(-3, 0, 0);
-    const double density = d.roughlyAt(lit);
-    EXPECT_NEAR(density / d.at(lit), 1, 1.0 / 16);
-    Strategies n = Strategies::bidirectional(2, 10, &d);
-    EXPECT_NEAR(n.mergeShare(lit), 1 / (20 * density), 1e-12);  // K = lambda eta * density
-    EXPECT_EQ(n.mergeShare(dark), 1);
-    n.merge = 0.01;  // fewer than one photon expected
-    EXPECT_EQ(n.mergeShare(lit), 1);
-    EXPECT_EQ(Strategies::bidirectional(2, 10).mergeShare(lit), 1);
-    EXPECT_EQ(Strategies::path().mergeShare(lit), 1);
 }
 
 }  // namespace

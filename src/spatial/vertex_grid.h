@@ -1,6 +1,6 @@
 #pragma once
 #include "base/uninitialized.h"
-#include "transport/vertex.h"
+#include "spatial/point_span.h"
 
 #include <array>
 #include <span>
@@ -8,14 +8,13 @@
 
 namespace metrolux::core {
 
-/// Hash grid over the eye vertices (or other points) of an iteration, counting-sorted into buckets. Cells are
+/// Hash grid over the positions of the vertices of an iteration, counting-sorted into buckets. Cells are
 /// two radii wide, so that a ball of one radius touches at most eight of them, which are in three blocks of
-/// cells (transport/cell_blocks.h) on average.
+/// cells (spatial/cell_blocks.h) on average.
 class VertexGrid {
   public:
-    /// Keeps positions and indices, not the vertices. `radius` > 0, finite.
-    void build(std::span<const Vertex> vertices, float radius);
-    void buildPoints(std::span<const Vec3f> points, float radius);
+    /// Copies the positions and keeps their indices. `radius` > 0, finite.
+    void build(const PointSpan& positions, float radius);
     void clear();
     float radius() const { return radius_; }
     size_t memoryBytes() const {
@@ -61,8 +60,6 @@ class VertexGrid {
     const void* addressOf(uint32_t bucket) const { return &starts_[bucket]; }
 
   private:
-    template <class PositionOf>
-    void buildFrom(size_t n, float radius, PositionOf&& positionOf);
     /// Calls accept(index) for those within the radius until it returns true; returns whether it did.
     template <class Accept>
     bool find(const Vec3f& p, Accept&& accept) const {

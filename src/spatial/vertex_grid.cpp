@@ -1,7 +1,7 @@
-#include "transport/vertex_grid.h"
+#include "spatial/vertex_grid.h"
 
 #include "base/parallel.h"
-#include "transport/cell_blocks.h"
+#include "spatial/cell_blocks.h"
 
 #include <algorithm>
 #include <bit>
@@ -44,8 +44,8 @@ VertexGrid::Cells VertexGrid::cellsOf(const Vec3f& p) const {
     return cells;
 }
 
-template <class PositionOf>
-void VertexGrid::buildFrom(size_t n, float radius, PositionOf&& positionOf) {
+void VertexGrid::build(const PointSpan& positions, float radius) {
+    const size_t n = positions.size();
     radius_ = radius;
     radiusSquared_ = radius * radius;
     // A hair wider than two radii, so that rounding never makes a ball touch three cells along an axis.
@@ -72,7 +72,7 @@ void VertexGrid::buildFrom(size_t n, float radius, PositionOf&& positionOf) {
     parallelFor(chunks, [&](size_t chunk) {
         places[chunk].fill(0);
         for (size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
-            buckets[i] = bucketOf(positionOf(i));
+            buckets[i] = bucketOf(positions[i]);
             ++places[chunk][sectionOf(buckets[i])];
         }
     });
@@ -98,17 +98,9 @@ void VertexGrid::buildFrom(size_t n, float radius, PositionOf&& positionOf) {
         uint32_t place = sectionStarts[s];
         for (uint32_t b = 0; b < sectionBuckets; ++b) place += std::exchange(next[b], place);
         for (const uint32_t i : section)
-            std::construct_at(&entries_[next[bucketInSection(i)]++], Entry{positionOf(i), i});
+            std::construct_at(&entries_[next[bucketInSection(i)]++], Entry{positions[i], i});
     });
     starts_[0] = 0;
-}
-
-void VertexGrid::build(std::span<const Vertex> vertices, float radius) {
-    buildFrom(vertices.size(), radius, [&](size_t i) -> const Vec3f& { return vertices[i].si.p; });
-}
-
-void VertexGrid::buildPoints(std::span<const Vec3f> points, float radius) {
-    buildFrom(points.size(), radius, [&](size_t i) -> const Vec3f& { return points[i]; });
 }
 
 void VertexGrid::clear() {

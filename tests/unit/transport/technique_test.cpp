@@ -13,7 +13,8 @@ TEST(NonFiniteCounts, CountWhatTheyRejectFromAllThreads) {
     parallelFor(1000, [&](size_t i) {
         EXPECT_FALSE(counts.reject(Rgb(1, 2, 3), Technique::Hit));
         EXPECT_TRUE(counts.reject(Rgb(1, nan, 3), Technique::Nee));
-        if (i % 2) EXPECT_EQ(counts.finite(Rgb(-kInfinity, 0, 0), Technique::Merge), Rgb(0.0f));
+        const Rgb value(i % 2 == 1 ? -kInfinity : 0.0f, 0, 0);
+        EXPECT_EQ(counts.finite(value, Technique::Merge), Rgb(0.0f));
         EXPECT_EQ(counts.finite(Rgb(4, 5, 6), Technique::Merge), Rgb(4, 5, 6));
     });
     counts.add(Technique::Splat, 3);

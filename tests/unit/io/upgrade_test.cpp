@@ -31,6 +31,9 @@ struct SameValue {
         EXPECT_EQ(a.blackbodyKelvin, b.blackbodyKelvin);
     }
     void operator()(const ElementPtr& a, const ElementPtr& b) const { expectSame(*a, *b); }
+    void operator()(const mitsuba::MeshArrays&, const mitsuba::MeshArrays&) const {
+        ADD_FAILURE() << "no file has these";
+    }
     template <class T>
     void operator()(const T& a, const T& b) const {
         EXPECT_EQ(a, b);

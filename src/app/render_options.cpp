@@ -257,6 +257,9 @@ std::vector<NamedOutput> namedOutputs(const RenderArguments& a) {
     if (checkpoint.empty()) return result;
     result.push_back({fmt::format("--checkpoint '{}'", checkpoint.string()), checkpoint});
     const fs::path previous = previousCheckpoint(checkpoint);
+    // A process that was killed while it wrote leaves both names on one file: nothing is lost then.
+    std::error_code code;
+    if (fs::equivalent(checkpoint, previous, code)) return result;
     result.push_back({fmt::format("the checkpoint before the last, '{}',", previous.string()), previous});
     return result;
 }

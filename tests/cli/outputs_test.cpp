@@ -63,6 +63,19 @@ TEST_F(OutputsTest, NoOutputReplacesWhatTheRenderingReads) {
     EXPECT_EQ(contentOf("c.1"), before);
 }
 
+/// A kill between the two names of a checkpoint leaves them on one file.
+TEST_F(OutputsTest, ACheckpointMayHaveTheNameOfTheOneBefore) {
+    const Words checkpoint{"-o", "a.exr", "--checkpoint", "c"};
+    ASSERT_EQ(render(checkpoint).status, 0);
+    fs::create_hard_link(folder / "c", folder / "c.1");
+    const Outcome resumed = run({"resume", "c", "--passes", "2"});
+    EXPECT_EQ(resumed.status, 0) << resumed.err;
+    EXPECT_FALSE(fs::equivalent(folder / "c", folder / "c.1"));
+    fs::remove(folder / "c.1");
+    fs::create_hard_link(folder / "c", folder / "c.1");
+    EXPECT_EQ(render(checkpoint).status, 0);
+}
+
 TEST_F(OutputsTest, NoOutputReplacesAnother) {
     fs::create_symlink("a.exr", folder / "alias.exr");
     for (const Words& words :

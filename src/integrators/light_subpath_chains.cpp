@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace metrolux::core {
 
 namespace {
@@ -60,7 +62,7 @@ ReplicaSettings replicaSettings(uint64_t seed, const ReplicaParameters& paramete
 void LightSubpathChains::begin(size_t samples, double radius) {
     squaredRadius_ = radius * radius;
     lanes_.normalization().update(squaredRadius_);
-    if (seeded_) {
+    if (boostKnown_) {
         mix_ = lanes_.mixture(samples);
     } else {
         mix_ = {};
@@ -95,36 +97,8 @@ void LightSubpathChains::plainRun(const LightSubpathPass& pass, Film& film,
     // The first passes that see light make q known. The next are made of uniform samples too, with the
     // weights of q: those of q = 1 make another F, whose b_F can be wrong by a factor of two or more for the
     // chains.
-    const bool calibrated = seeded_;
-    seedChains(iteration, sizes);
-    if (seeded_ && !calibrated) lanes_.normalization().forgetSizes();
-    ready_ = calibrated;
-}
-
-void LightSubpathChains::seedChains(const LightSubpathIteration& iteration,
-                                    const std::vector<double>& sizes) {
-    std::vector<double> visible(sizes.size());
-    for (size_t i = 0; i < sizes.size(); ++i) visible[i] = sizes[i] > 0 ? 1.0 : 0.0;
-    const DiscreteDistribution byVisibility(visible), bySize(sizes);
-    if (byVisibility.empty()) return;
-
-    const uint64_t seed = lanes_.settings().seed;
-    CounterRng rng(hashKey(seed, StreamPurpose::Seeding, iteration.pass));
-    // A state is regenerated from the counter-based stream that made its value. Its coordinates are all those
-    // that the evaluation may have asked for; more are appended when they are needed.
-    const auto regenerate = [&](const DiscreteDistribution& choice, PrimarySample& u) {
-        float uChoice = rng.next1D();
-        IndependentStream stream(
-            lightSubpathKey(seed, iteration.pass, iteration.first + choice.sample(uChoice)));
-        const int depth = limits_.maxDepth < 0 ? 32 : std::min(limits_.maxDepth, 32);
-        u.resize(SampleStream::blockOffset(depth + 1));
-        layout::readAll(stream, u);
-    };
-    lanes_.seed([&](PrimarySample& visibility, PrimarySample& contribution) {
-        regenerate(byVisibility, visibility);
-        regenerate(bySize, contribution);
-    });
-    seeded_ = true;
+    if (!boostKnown_) lanes_.normalization().forgetSizes();
+    ready_ = std::exchange(boostKnown_, true);
 }
 
 std::vector<Vec3f> LightSubpathChains::trails() const {
@@ -147,8 +121,7 @@ nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaC
     nlohmann::json j{{"lanes", settings.lanes},
                      {"b_v", estimate(normalization.visibilityEstimate())},
                      {"visibility_chain", chain(counts.visibility)},
-                     {"exchange_uniform_visibility", counts.uniformSwaps},
-                     {"states_replaced", counts.replaced}};
+                     {"exchange_uniform_visibility", counts.uniformSwaps}};
     if (settings.contribution) {
         j["b_f"] = estimate(normalization.contributionEstimate());
         j["contribution_chain"] = chain(counts.contribution);
@@ -166,7 +139,7 @@ nlohmann::json LightSubpathChains::statistics() const {
 }
 
 std::string LightSubpathChains::progressNote() const {
-    if (!seeded_) return "no visible light subpath yet";
+    if (!boostKnown_) return "no visible light subpath yet";
     const ReplicaCounts counts = lanes_.counts();
     std::string note = fmt::format("acceptance V {:.2f}", counts.visibility.rate());
     if (lanes_.settings().contribution) note += fmt::format(" F {:.2f}", counts.contribution.rate());

@@ -32,8 +32,7 @@ nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaC
 /// iteration's subpaths come from the replicas.
 class LightSubpathChains {
   public:
-    LightSubpathChains(const ReplicaSettings& settings, const PathLimits& limits)
-        : limits_(limits), lanes_(settings), trails_(lanes_.size()) {}
+    explicit LightSubpathChains(const ReplicaSettings& settings) : lanes_(settings), trails_(lanes_.size()) {}
 
     /// Decides about the samples of the iteration to come, before its weights are known.
     void begin(size_t samples, double radius);
@@ -54,7 +53,7 @@ class LightSubpathChains {
     /// Between two iterations.
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(lanes_, seeded_, ready_);
+        archive(lanes_, boostKnown_, ready_);
     }
 
     nlohmann::json statistics() const;
@@ -63,14 +62,13 @@ class LightSubpathChains {
   private:
     void plainRun(const LightSubpathPass& pass, Film& film, const LightSubpathIteration& iteration,
                   PhotonDensity* photons);
-    void seedChains(const LightSubpathIteration& iteration, const std::vector<double>& sizes);
 
-    PathLimits limits_;
     ReplicaLanes<LightSubpathContribution> lanes_;
     std::vector<std::vector<Vec3f>> trails_;  ///< of each lane
     ReplicaMixture mix_;
     double squaredRadius_ = 0;
-    bool seeded_ = false, ready_ = false;
+    bool boostKnown_ = false;  ///< b_V, and with it q, is known well enough for weights
+    bool ready_ = false;
 };
 
 }  // namespace metrolux::core

@@ -52,7 +52,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
     McmcVcmIntegrator(const Scene& scene, const CommonOptions& options, const McmcVcmParameters& parameters)
         : Resumable(scene, options, parameters.merging),
           parameters_(parameters),
-          chains_(settingsOf(options.seed, parameters, partition_.pixels(0).size()), options.limits) {
+          chains_(settingsOf(options.seed, parameters, partition_.pixels(0).size())) {
         weighByPhotons(parameters.weighing);
     }
 

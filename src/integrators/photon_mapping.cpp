@@ -41,8 +41,7 @@ class PhotonMappingIntegrator final : public Resumable<PhotonMappingIntegrator, 
         : Resumable(scene, options, parameters.merging) {}
     PhotonMappingIntegrator(const Scene& scene, const CommonOptions& options, const VptParameters& parameters)
         : Resumable(scene, options, parameters.merging) {
-        chains_.emplace(replicaSettings(options.seed, parameters.replicas, partition_.pixels(0).size()),
-                        options.limits);
+        chains_.emplace(replicaSettings(options.seed, parameters.replicas, partition_.pixels(0).size()));
     }
 
     template <class Archive>

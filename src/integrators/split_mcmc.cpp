@@ -26,7 +26,7 @@ class SplitMcmcIntegrator final : public Resumable<SplitMcmcIntegrator, Iterated
     SplitMcmcIntegrator(const Scene& scene, const CommonOptions& options,
                         const SplitMcmcParameters& parameters)
         : Resumable(scene, options, parameters.merging),
-          light_(settings(parameters.replicas), options.limits),
+          light_(settings(parameters.replicas)),
           eye_(settings(parameters.replicas), scene.camera().window()) {
         light_.keepTrails = true;
         weighByPhotons(parameters.weighing);

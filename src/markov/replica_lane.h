@@ -49,13 +49,6 @@ class ReplicaLane {
     Normalization::Samples& samples() { return samples_; }
     const SplitEstimator::Squares& squares() const { return squares_; }
 
-    /// Gives the chains the primary samples that stateOf(visibility, contribution) writes; they are evaluated
-    /// by renew().
-    template <class StateOf>
-    void seed(StateOf&& stateOf) {
-        stateOf(visibility_.state().u, contribution_.state().u);
-        lastVisible_ = visibility_.state().u;
-    }
     void start(const State& visibility, const State& contribution) {
         visibility_.state() = visibility;
         contribution_.state() = contribution;
@@ -66,32 +59,6 @@ class ReplicaLane {
     template <class Model>
     void addUniform(Model& model, const ReplicaMixture& mix, size_t end) {
         while (uniform_.added() < end) addBatch(model, mix, std::min(kUniformBatch, end - uniform_.added()));
-    }
-
-    /// Evaluates the chains' states again. One that has become invisible is replaced by a visible uniform
-    /// sample: the last one that the lane has seen, or a fresh one.
-    template <class Model>
-    void renew(Model& model) {
-        const auto evaluate = [&](SampleStream& u, Value& value) {
-            const Evaluation<Value> one{&u, &value};
-            model.evaluate({&one, 1});
-        };
-        visibility_.reevaluate(evaluate, rng_);
-        contribution_.reevaluate(evaluate, rng_);
-        State &v = visibility_.state(), &f = contribution_.state();
-        if (v.value.visible() && f.value.visible()) return;
-        State fresh;
-        fresh.u = lastVisible_;
-        for (int attempt = 0; attempt <= kFreshTries && !fresh.value.visible(); ++attempt) {
-            if (attempt > 0) fresh.u.clear();
-            PrimarySampleStream stream(fresh.u, rng_);
-            evaluate(stream, fresh.value);
-        }
-        // While none is found the replica idles, which only loses samples.
-        if (!fresh.value.visible()) return;
-        ++replaced_;
-        if (!v.value.visible()) v = fresh;
-        if (!f.value.visible()) f = fresh;
     }
 
     /// The step's uniform sample, one of `all` in the iteration. `exchange`: the visibility replica moves in
@@ -172,14 +139,12 @@ class ReplicaLane {
         counts.swapsTried += swapsTried_;
         counts.swapsMade += swapsMade_;
         counts.uniformSwaps += uniformSwaps_;
-        counts.replaced += replaced_;
     }
 
     /// Between two iterations.
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(rng_, visibility_, contribution_, swapsTried_, swapsMade_, uniformSwaps_, replaced_);
-        serializeSample(archive, lastVisible_);
+        archive(rng_, visibility_, contribution_, swapsTried_, swapsMade_, uniformSwaps_);
     }
 
   private:
@@ -198,7 +163,6 @@ class ReplicaLane {
 
     /// Uniform samples that are evaluated together.
     static constexpr size_t kUniformBatch = 64;
-    static constexpr int kFreshTries = 64;
 
     template <class Model>
     void payOut(Model& model, State& state) {
@@ -219,9 +183,7 @@ class ReplicaLane {
         model.evaluateUniform(std::span<const Evaluation<Value>>(evaluations));
         for (State& state : states) {
             samples_.addUniform(state.value.size);
-            if (state.value.visible()) {
-                lastVisible_ = state.u;
-            } else {
+            if (!state.value.visible()) {
                 squares_.add(SplitEstimator::Uniform, 0);
                 state.weight = mix.invisibleWeight;
                 payOut(model, state);
@@ -245,10 +207,9 @@ class ReplicaLane {
     MarkovChain<Value, VisibilityTarget> visibility_;
     MarkovChain<Value, ContributionTarget> contribution_;
     UniformQueue<Value> uniform_;
-    PrimarySample lastVisible_;  ///< last visible uniform sample: replaces a state that became invisible
     Proposal forVisibility_, forContribution_;
     bool exchanged_ = false;  ///< the visibility replica has received a uniform sample in this step
-    uint64_t swapsTried_ = 0, swapsMade_ = 0, uniformSwaps_ = 0, replaced_ = 0;
+    uint64_t swapsTried_ = 0, swapsMade_ = 0, uniformSwaps_ = 0;
     Normalization::Samples samples_;
     SplitEstimator::Squares squares_;
 };

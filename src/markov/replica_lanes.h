@@ -65,27 +65,18 @@ class ReplicaLanes {
         for (size_t i = 0; i < sizes.size(); ++i) lanes_[i % lanes_.size()].samples().addUniform(sizes[i]);
     }
 
-    /// Gives each lane's chains states to go on from; they are evaluated by the next run().
-    template <class StateOf>
-    void seed(StateOf&& stateOf) {
-        for (Lane& lane : lanes_) lane.seed(stateOf);
-    }
-
     /// All samples of an iteration; the scales of `mix` are set. `pass` and `first` name the iteration.
     template <class Model>
     void run(Model& model, ReplicaMixture& mix, uint32_t pass, size_t first) {
-        sawChains_ = true;
         for (Lane& lane : lanes_) lane.begin();
         const ReplicaSchedule schedule(mix, lanes_.size());
-        // Decided by what is expected, not by what is found: a choice by the samples themselves would bias
-        // them.
-        if (mix.uniform * mix.bVisibility >= kSmallestPool) {
-            const size_t drawn = drawPool(model, mix, schedule.uniformSamples());
-            CounterRng rng(hashKey(settings_.seed, StreamPurpose::Replacement, pass, first));
-            startChains(model, mix, double(drawn * lanes_.size()), rng);
-        } else {
-            renewStates(model);
-        }
+        // Chains that run without the uniform replica (a study of each alone) start from uniform samples too,
+        // which then contribute nothing themselves.
+        const size_t most = mix.uniform > 0 ? schedule.uniformSamples() : schedule.steps();
+        const size_t drawn = drawPool(model, mix, most);
+        CounterRng rng(hashKey(settings_.seed, StreamPurpose::Replacement, pass, first));
+        sawChains_ = startChains(mix, double(drawn * lanes_.size()), rng);
+        if (!sawChains_) return;  // no uniform sample is visible, and all have been paid
         // Lanes of a group take turns at each step, so that their proposals are evaluated side by side.
         const auto threads = static_cast<size_t>(tbb::this_task_arena::max_concurrency());
         const size_t group =
@@ -130,8 +121,6 @@ class ReplicaLanes {
     /// Visible states that an iteration's chains are chosen from, at most. Their mean F enters the image as a
     /// factor.
     static constexpr size_t kPoolSize = 16384;
-    /// With fewer visible uniform samples expected in an iteration, chains go on from the last one's states.
-    static constexpr double kSmallestPool = 4;
     /// More groups than threads, because they are never equally fast.
     static constexpr size_t kGroupsPerThread = 4, kLargestGroup = 8;
 
@@ -162,28 +151,22 @@ class ReplicaLanes {
 
     /// The targets are new in each iteration. Chains start from visible uniform samples of this iteration:
     /// any of them for the visibility replica, chosen in proportion to F for the contribution replica, with
-    /// the scales that make such a start unbiased (ReplicaMixture). Going on from the last iteration's states
-    /// made short chains up to 9 % too bright (white sphere in glass, 32x32 pixels); the same start without
+    /// the scales that make such a start unbiased (ReplicaMixture), however few are visible: where one
+    /// iteration in ten has a visible sample, its chains count ten times. False if there is none; then what
+    /// chains would find counts 0 times. Going on from the last iteration's states made short chains up to
+    /// 9 % too bright (white sphere in glass, 32x32 pixels), and lost half of the light, more with every
+    /// pass, where hardly a state stays visible (vpt of a plane with a small radius). The same start without
     /// the scales made them 1.2 % too dark where F has heavy tails (veach-mis, 64x48).
-    template <class Model>
-    void startChains(Model& model, ReplicaMixture& mix, double drawn, CounterRng& rng) {
+    bool startChains(ReplicaMixture& mix, double drawn, CounterRng& rng) {
         ReplicaPool<Value> pool;
         for (const Lane& lane : lanes_) pool.add(lane.uniform());
         mix.visibilityScale = pool.visible() / (drawn * mix.bVisibility);
         mix.contributionScale = pool.sumOfSizes() / (drawn * mix.bContribution);
-        // Both scales are 0: what the chains find does not count.
-        if (pool.empty()) return renewStates(model);
+        if (pool.empty()) return false;
         const auto forVisibility = pool.draw(lanes_.size(), rng.nextDouble());
         const auto forContribution = pool.drawBySize(lanes_.size(), rng.nextDouble());
         for (size_t i = 0; i < lanes_.size(); ++i) lanes_[i].start(*forVisibility[i], *forContribution[i]);
-    }
-
-    /// What is visible is too rare for startChains(): chains keep what they have found. Resampling the lanes
-    /// by new / old target was tried: it cannot reach what was invisible before, so that short chains
-    /// gathered where light is always visible and b_F ran away (door-ajar, +30 %).
-    template <class Model>
-    void renewStates(Model& model) {
-        parallelFor(lanes_.size(), [&](size_t i) { lanes_[i].renew(model); });
+        return true;
     }
 
     template <class Model>
@@ -211,7 +194,7 @@ class ReplicaLanes {
     std::vector<Lane> lanes_;
     Normalization normalization_;
     SplitEstimator split_;
-    bool sawChains_ = false;  ///< in this iteration
+    bool sawChains_ = false;  ///< chains have run in this iteration
 };
 
 }  // namespace metrolux::core

@@ -34,7 +34,6 @@ struct ReplicaCounts {
     Acceptance visibility, contribution;
     uint64_t swapsTried = 0, swapsMade = 0;  ///< visibility with contribution
     uint64_t uniformSwaps = 0;               ///< uniform with visibility
-    uint64_t replaced = 0;                   ///< states that had become invisible
 };
 
 }  // namespace metrolux::core

@@ -56,11 +56,6 @@ inline Vec2f read(SampleStream& u, Two coordinates, int block = 0) {
     seek(u, block, coordinates.place);
     return u.next2D();
 }
-/// The sample from its beginning.
-inline void readAll(SampleStream& u, std::span<float> coordinates) {
-    u.seek(0);
-    for (float& coordinate : coordinates) coordinate = u.next1D();
-}
 /// Index of a coordinate in the whole sample.
 template <class Coordinates>
 constexpr int indexOf(Coordinates coordinates, int block) {

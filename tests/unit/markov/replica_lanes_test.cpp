@@ -12,7 +12,7 @@
 namespace metrolux::core {
 namespace {
 
-/// F = 1 + 30 y for x < visibleShare, else invisible.
+/// F = 1 + 30 y for x from `from` to `from` + visibleShare (around the end of the interval), else invisible.
 struct ToyValue {
     double x = 0, size = 0;
     bool visible() const { return size > 0; }
@@ -22,6 +22,7 @@ struct ToyModel {
     double visibleShare;
     std::vector<double> sums;  ///< of each lane: of weight * (size + h) ...
     double invisible = 0;      ///< ... h of what is invisible
+    double from = 0;
 
     void startUniform(PrimarySample&, CounterRng&, size_t, size_t) const {}
     using Evaluations = std::span<const Evaluation<ToyValue>>;
@@ -33,7 +34,8 @@ struct ToyModel {
         u.seek(0);
         const Vec2f p = u.next2D();
         v.x = p.x;
-        v.size = p.x < visibleShare ? 1 + 30 * p.y : 0;
+        const double x = p.x - from;
+        v.size = x - std::floor(x) < visibleShare ? 1 + 30 * p.y : 0;
     }
     void pay(size_t lane, const ToyValue& v, double weight) {
         sums[lane] += weight * (v.visible() ? v.size : invisible);
@@ -47,11 +49,12 @@ struct Case {
     NormalizationMethod normalization = NormalizationMethod::Pooled;
     bool pooledTheta = false;
     bool measuredSplit = false;
+    int iterations = 40;
+    bool moves = false;  ///< what is visible is elsewhere in each iteration, as with new eye vertices
 };
 
 /// Mean over iterations of one seed.
 double estimate(const Case& c, uint64_t seed) {
-    constexpr int kIterations = 40;
     constexpr size_t kSamples = 600;
     ReplicaSettings s;
     s.seed = seed;
@@ -67,7 +70,8 @@ double estimate(const Case& c, uint64_t seed) {
     s.measuredSplit = c.measuredSplit;
     ReplicaLanes<ToyValue> lanes(s);
     ToyModel model{c.visibleShare, std::vector<double>(8, 0.0), c.invisible};
-    for (int i = 0; i < kIterations; ++i) {
+    for (int i = 0; i < c.iterations; ++i) {
+        if (c.moves) model.from = CounterRng(hashKey(seed, i)).nextDouble();
         lanes.normalization().update(1);
         ReplicaMixture mix = lanes.mixture(kSamples, i > 0);
         if (mix.uniform > 0 && c.invisible > 0) mix.invisibleWeight = 1 / mix.uniform;
@@ -76,7 +80,7 @@ double estimate(const Case& c, uint64_t seed) {
     }
     double sum = 0;
     for (const double x : model.sums) sum += x;
-    return sum / kIterations;
+    return sum / c.iterations;
 }
 
 TEST(ReplicaLanes, WeightedSumsAreTheIntegral) {
@@ -98,6 +102,13 @@ TEST(ReplicaLanes, WeightedSumsAreTheIntegral) {
         {true, true, true, 0.3, 0, {1, 1, 1}, NormalizationMethod::Pooled, true},
         {true, true, true, 0.3, 0, {1, 1, 1}, NormalizationMethod::Pooled, false, true},
         {true, true, false, 0.3, 2, {1, 1, 1}, NormalizationMethod::Pooled, false, true},
+        // Each replica alone, and the chains.
+        {false, true, false, 0.3, 0},
+        {false, false, true, 0.3, 0},
+        {false, true, true, 0.3, 0},
+        // Fewer than one visible uniform sample an iteration, and never where one was before.
+        {true, true, false, 0.004, 0, {1, 1, 1}, NormalizationMethod::Pooled, false, false, 800, true},
+        {true, true, true, 0.004, 0, {1, 1, 1}, NormalizationMethod::Pooled, false, false, 800, true},
     };
     for (size_t k = 0; k < cases.size(); ++k) {
         const Case& c = cases[k];
@@ -141,7 +152,7 @@ TEST(ReplicaLanes, DoNotDependOnWhichAreRunTogether) {
         model.sums.push_back(double(lanes.counts().swapsMade));
         return model.sums;
     };
-    // From a pool of visible samples, some of which are taken later, and from the states of before.
+    // From a pool of visible samples, some of which are taken later, and from a few, or none.
     for (const size_t samples : {size_t{20000}, size_t{30}}) {
         const std::vector<double> one = run(1, samples);
         EXPECT_GT(one.back(), 0);

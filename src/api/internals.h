@@ -49,6 +49,11 @@ struct Internals {
 namespace core::api {
 
 LoadOptions coreOptions(const metrolux::LoadOptions& options);
+/// What follows loadScene() wherever a scene is read: its <integrator> is judged, and warnings are refused if
+/// `strict`. Throws Error.
+void settle(SceneParts& parts, const LoadOptions& options);
+/// All files that a run writes, the one that keeps the checkpoint before the last among them.
+std::vector<NamedOutput> namedOutputs(const Files& files);
 SessionOptions coreOptions(const metrolux::Scene& scene, const metrolux::SessionOptions& options);
 /// When a run ends and what it writes. Throws Error for an unknown curve.
 RunOptions runOptions(const Limits& limits, const Files& files);

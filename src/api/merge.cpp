@@ -48,6 +48,7 @@ nlohmann::json statisticsOf(const core::PartMerger& merger, const std::vector<st
 Merged merge(const std::vector<std::filesystem::path>& parts, const Files& files,
              const std::vector<std::string>& layers) {
     if (parts.empty()) throw core::Error("there are no parts to merge");
+    core::checkDistinct(core::api::namedOutputs(files), parts);
     const core::OutputSet outputs(files.images, core::api::displayOf(files.display), files.overwrite);
     core::PartMerger merger;
     for (const std::filesystem::path& part : parts)

@@ -28,6 +28,11 @@ core::LoadOptions core::api::coreOptions(const metrolux::LoadOptions& options) {
     return result;
 }
 
+void core::api::settle(SceneParts& parts, const LoadOptions& options) {
+    settleSceneIntegrator(parts, options.lenient);
+    if (options.strict) refuseWarnings(parts);
+}
+
 namespace {
 
 nlohmann::json identityOf(const std::string& name, const LoadOptions& options) {
@@ -49,8 +54,7 @@ Scene build(const LoadOptions& options, nlohmann::json identity, const Load& loa
         Scene::Impl impl;
         const core::LoadOptions o = core::api::coreOptions(options);
         core::SceneParts parts = load(o, impl);
-        core::settleSceneIntegrator(parts, o.lenient);
-        if (o.strict) core::refuseWarnings(parts);
+        core::api::settle(parts, o);
         impl.film = o;
         impl.film.defines.clear();
         impl.warnings = parts.warnings;

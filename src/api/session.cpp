@@ -45,15 +45,6 @@ core::SessionOptions core::api::coreOptions(const metrolux::Scene& scene,
 
 namespace {
 
-std::vector<core::NamedOutput> namedOutputs(const Files& files) {
-    std::vector<core::NamedOutput> result;
-    for (const std::filesystem::path& file : files.images)
-        result.push_back({fmt::format("output '{}'", file.string()), file});
-    if (!files.checkpoint.empty())
-        result.push_back({fmt::format("checkpoint '{}'", files.checkpoint.string()), files.checkpoint});
-    return result;
-}
-
 Progress progressOf(const core::PassReport& report, double raysPerSecond, const std::string& note) {
     return {report.passes,           report.seconds, report.relativeError,
             report.secondsRemaining, raysPerSecond,  note};
@@ -74,6 +65,20 @@ StopReason reasonOf(core::StopReason reason) {
 }
 
 }  // namespace
+
+std::vector<core::NamedOutput> core::api::namedOutputs(const Files& files) {
+    std::vector<NamedOutput> result;
+    for (const std::filesystem::path& file : files.images)
+        result.push_back({fmt::format("output '{}'", file.string()), file});
+    if (files.checkpoint.empty()) return result;
+    result.push_back({fmt::format("checkpoint '{}'", files.checkpoint.string()), files.checkpoint});
+    const std::filesystem::path previous = previousCheckpoint(files.checkpoint);
+    // A process that was killed while it wrote leaves both names on one file: nothing is lost then.
+    std::error_code code;
+    if (std::filesystem::equivalent(files.checkpoint, previous, code)) return result;
+    result.push_back({fmt::format("the checkpoint before the last, '{}',", previous.string()), previous});
+    return result;
+}
 
 core::RunOptions core::api::runOptions(const Limits& limits, const Files& files) {
     RunOptions run;
@@ -135,7 +140,7 @@ Progress Session::step() {
 
 Outcome Session::render(const Limits& limits, const Hooks& hooks, const Files& files) {
     const core::RunOptions run = core::api::runOptions(limits, files);
-    core::checkDistinct(namedOutputs(files), Internals::of(impl_->scene).files);
+    core::checkDistinct(core::api::namedOutputs(files), Internals::of(impl_->scene).files);
     core::RunHooks watch = core::api::runHooks(hooks);
     watch.interrupted = [&] { return impl_->stop.load() || (hooks.stop && hooks.stop()); };
     const core::SessionResult result =
@@ -188,12 +193,18 @@ const std::string& Session::integrator() const { return impl_->session->options(
 int Session::threads() const { return impl_->workers.threads(); }
 
 void Session::saveImage(const std::filesystem::path& file, const Display& display) {
-    const core::OutputSet output({file}, core::api::displayOf(display), true);
+    Files files;
+    files.images = {file};
+    core::checkDistinct(core::api::namedOutputs(files), Internals::of(impl_->scene).files);
+    const core::OutputSet output(files.images, core::api::displayOf(display), true);
     const core::RenderedFrame frame = impl_->workers.execute([this] { return impl_->session->frame(); });
     for (const std::string& failure : output.write(frame)) throw core::Error(failure);
 }
 
 void Session::save(const std::filesystem::path& checkpoint) const {
+    Files files;
+    files.checkpoint = checkpoint;
+    core::checkDistinct(core::api::namedOutputs(files), Internals::of(impl_->scene).files);
     core::writeCheckpoint(checkpoint, impl_->session->checkpoint({}));
 }
 

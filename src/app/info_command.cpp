@@ -1,3 +1,4 @@
+#include "api/internals.h"
 #include "app/commands.h"
 #include "app/option_parsing.h"
 #include "app/render_options.h"
@@ -141,8 +142,7 @@ int info(const InfoArguments& a) {
     options.sensor = a.sensor;
     options.fragment = true;
     SceneParts parts = loadScene(a.scene, options);
-    settleSceneIntegrator(parts, a.lenient);
-    if (a.strict) refuseWarnings(parts);
+    api::settle(parts, options);
     const Census counts = census(parts);
     const auto show = [&](const SceneParts& p, const SceneBounds* bounds) {
         a.json ? printJson(p, counts, bounds) : print(p, counts, bounds);

@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kExamples = R"(Examples:
-  metrolux render scene.xml                            # a minute, to scene.exr
+  metrolux render scene.xml                            # a minute, to an EXR named after the scene
   metrolux render scene.xml -o a.exr -o a.png --time 1h
   metrolux render scene.xml --error 0.02               # until the estimated relative error is 2 %
   metrolux render scene.xml -i path --passes 64 --seed 7

@@ -250,17 +250,8 @@ std::string sceneName(const fs::path& scene) {
 }
 
 std::vector<NamedOutput> namedOutputs(const RenderArguments& a) {
-    std::vector<NamedOutput> result;
-    for (const std::string& file : a.outputs) result.push_back({fmt::format("output '{}'", file), file});
+    std::vector<NamedOutput> result = api::namedOutputs(a.files);
     if (!a.stats.empty()) result.push_back({fmt::format("--stats '{}'", a.stats), a.stats});
-    const fs::path& checkpoint = a.files.checkpoint;
-    if (checkpoint.empty()) return result;
-    result.push_back({fmt::format("--checkpoint '{}'", checkpoint.string()), checkpoint});
-    const fs::path previous = previousCheckpoint(checkpoint);
-    // A process that was killed while it wrote leaves both names on one file: nothing is lost then.
-    std::error_code code;
-    if (fs::equivalent(checkpoint, previous, code)) return result;
-    result.push_back({fmt::format("the checkpoint before the last, '{}',", previous.string()), previous});
     return result;
 }
 
@@ -290,9 +281,9 @@ metrolux::LoadOptions loadOptions(const RenderArguments& a) {
 }
 
 SceneParts loadSceneParts(const fs::path& file, const RenderArguments& a) {
-    SceneParts parts = loadScene(file, api::coreOptions(loadOptions(a)));
-    settleSceneIntegrator(parts, a.lenient);
-    if (a.strict) refuseWarnings(parts);
+    const LoadOptions options = api::coreOptions(loadOptions(a));
+    SceneParts parts = loadScene(file, options);
+    api::settle(parts, options);
     return parts;
 }
 

@@ -67,8 +67,10 @@ fs::path writeBesideOthers(const fs::path& folder, const std::string& name, cons
 
 void checkDistinct(std::span<const NamedOutput> outputs, std::span<const fs::path> inputs) {
     for (size_t i = 0; i < outputs.size(); ++i) {
+        // An input is there, so an output that is the same file is there too.
+        std::error_code code;
         for (const fs::path& input : inputs)
-            if (sameFile(outputs[i].file, input))
+            if (fs::equivalent(outputs[i].file, input, code))
                 throw Error("{} would replace '{}', which the rendering reads", outputs[i].what,
                             input.string());
         for (size_t j = 0; j < i; ++j)

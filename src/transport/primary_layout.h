@@ -5,7 +5,6 @@
 
 #include "sampling/sample_stream.h"
 
-#include <span>
 
 namespace metrolux::core::layout {
 

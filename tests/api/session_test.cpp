@@ -174,6 +174,32 @@ TEST_F(ApiSession, WritesFiles) {
     EXPECT_EQ(session.progress().passes, 2u);
 }
 
+TEST_F(ApiSession, NoOutputReplacesWhatIsRead) {
+    const fs::path mesh = folder.write("floor.ply", kFloorPly), file = folder.write("c.1", kBallXml);
+    const auto contentOf = [](const fs::path& path) {
+        std::ifstream stream(path, std::ios::binary);
+        return std::string((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
+    };
+    fs::create_symlink(mesh, folder.path() / "alias.exr");
+    metrolux::Session session(metrolux::Scene::load(file), options);
+    session.step();
+    EXPECT_THAT(errorOf([&] { session.save(mesh); }), HasSubstr("would replace"));
+    EXPECT_THAT(errorOf([&] { session.saveImage(folder.path() / "alias.exr"); }), HasSubstr("would replace"));
+    metrolux::Files files;
+    files.checkpoint = folder.path() / "c";  // the one before the last would be c.1
+    EXPECT_THAT(errorOf([&] { session.render(passes(3), {}, files); }), HasSubstr("would replace"));
+    EXPECT_THAT(errorOf([&] { session.save(files.checkpoint); }), HasSubstr("would replace"));
+    EXPECT_EQ(contentOf(mesh), kFloorPly);
+    EXPECT_EQ(contentOf(file), kBallXml);
+
+    const fs::path part = folder.path() / "part.exr";
+    session.save(part);
+    files = {};
+    files.images = {part};
+    files.overwrite = true;
+    EXPECT_THAT(errorOf([&] { metrolux::merge({part}, files); }), HasSubstr("would replace"));
+}
+
 TEST_F(ApiSession, StreamsThatAreMergedAreOneRendering) {
     options.streams.count = 4;
     metrolux::Session whole(scene, options);

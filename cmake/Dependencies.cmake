@@ -20,7 +20,7 @@ find_package(spdlog REQUIRED)
 find_package(nlohmann_json REQUIRED)
 find_package(Boost REQUIRED)
 find_package(cereal REQUIRED)
-# Optional: without it, --streams is for one process and for `metrolux merge`.
+# Optional: without it, --slices is for one process and for `metrolux merge`.
 if(METROLUX_MPI)
   find_package(MPI COMPONENTS C QUIET)
 endif()

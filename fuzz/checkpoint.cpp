@@ -52,15 +52,15 @@ std::unique_ptr<Integrator> integratorOf(const IntegratorDescription& integrator
 
 /// What `metrolux resume` does with a state, and a pass.
 void resume(const Checkpoint& checkpoint) {
-    constexpr uint32_t kStreams = 16;
+    constexpr uint32_t kSlices = 16;
     const nlohmann::json algorithm = nlohmann::json::parse(checkpoint.identity)["algorithm"];
     const auto& list = integratorList();
     const auto named = std::find_if(list.begin(), list.end(),
                                     [&](const auto& known) { return known.name == algorithm["integrator"]; });
     const IntegratorDescription& description = named == list.end() ? findIntegrator("path") : *named;
-    StreamedIntegrator integrator([&](uint32_t) { return integratorOf(description, algorithm); },
-                                  {kStreams, 0, kStreams - 1}, 0);
-    integrator.restore(checkpoint.streams);
+    SlicedIntegrator integrator([&](uint32_t) { return integratorOf(description, algorithm); },
+                                {kSlices, 0, kSlices - 1}, 0);
+    integrator.restore(checkpoint.slices);
     Film film = makeFilm(smallScene());
     StateReader reader(checkpoint.film);
     film.loadState(reader);

@@ -19,5 +19,5 @@ make pssmlt_adaptive 3 -i pssmlt --kernel adaptive
 make mcmc_vcm_bennett 3 -i mcmc_vcm --normalization bennett
 make mcmc_vcm_auto 9 -i mcmc_vcm --split auto
 make pssmlt_merge_a 3 -i pssmlt_merge --method A
-make streams 6 -i vpt --streams 4
-make part 6 -i path --streams 4 --only-streams 1-2
+make slices 6 -i vpt --slices 4
+make part 6 -i path --slices 4 --only-slices 1-2

@@ -38,9 +38,9 @@ struct IntegratorDescription {
 /// All integrators; the first is the default.
 METROLUX_API std::vector<IntegratorDescription> integrators();
 
-/// A rendering divided into independent streams of passes, of which this process renders some: their
+/// A rendering divided into independent slices of passes, of which this process renders some: their
 /// checkpoints can be merged.
-struct Streams {
+struct Slices {
     std::uint32_t count = 1, first = 0;
     std::optional<std::uint32_t> last;  ///< default: the last of all
 };
@@ -56,7 +56,7 @@ struct SessionOptions {
     std::uint64_t memory =
         kDefaultMemory;               ///< bytes that an iteration may store; more of them a pass for less
     std::vector<std::string> layers;  ///< of albedo, normal, depth, variance
-    Streams streams;
+    Slices slices;
     int threads = 0;  ///< 0: one for each core
 };
 
@@ -75,8 +75,8 @@ struct Progress {
     double seconds = 0;
     double relativeError = std::numeric_limits<double>::infinity();  ///< infinity before it is known
     double secondsRemaining = -1;  ///< until a limit is reached, an estimate; negative when unknown
-    double raysPerSecond = 0;
-    std::string note;  ///< of the integrator, for people
+    double raysPerSecond = 0;      ///< of the process: sessions that render at once count each other's rays
+    std::string note;              ///< of the integrator, for people
 };
 
 /// Files that render() writes.
@@ -162,8 +162,8 @@ class METROLUX_API Session {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Joins checkpoints of streams that were rendered apart and writes the image: to the bit that of one process
-/// which renders them all. `layers`: none or variance. Streams that are missing are warned of. Throws Error
+/// Joins checkpoints of slices that were rendered apart and writes the image: to the bit that of one process
+/// which renders them all. `layers`: none or variance. Slices that are missing are warned of. Throws Error
 /// for parts that overlap or belong to different renderings.
 struct Merged {
     Outcome outcome;

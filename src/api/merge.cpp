@@ -29,16 +29,16 @@ core::RenderedFrame frameOf(const core::PartMerger& merger, const std::vector<st
 }
 
 nlohmann::json statisticsOf(const core::PartMerger& merger, const std::vector<std::filesystem::path>& parts) {
-    nlohmann::json streams = nlohmann::json::object(), names = nlohmann::json::array();
-    for (const auto& [stream, passes] : merger.passes()) streams[std::to_string(stream)] = passes;
+    nlohmann::json slices = nlohmann::json::object(), names = nlohmann::json::array();
+    for (const auto& [slice, passes] : merger.passes()) slices[std::to_string(slice)] = passes;
     for (const std::filesystem::path& part : parts) names.push_back(part.string());
     return {{"version", version()},
             {"parts", names},
             {"rendering", merger.identity()},
             {"passes", merger.film().passes()},
             {"seconds", merger.seconds()},
-            {"passes_of_streams", streams},
-            {"missing_streams", merger.missing()},
+            {"passes_of_slices", slices},
+            {"missing_slices", merger.missing()},
             {"rays", {{"intersect", merger.rays().intersectRays}, {"shadow", merger.rays().shadowRays}}},
             {"non_finite", core::toJson(merger.nonFinite())}};
 }
@@ -54,9 +54,9 @@ Merged merge(const std::vector<std::filesystem::path>& parts, const Files& files
     for (const std::filesystem::path& part : parts)
         merger.add(part.string(), core::readCheckpoint(part, version()));
     if (const std::vector<uint32_t> missing = merger.missing(); !missing.empty())
-        core::api::log(LogLevel::Warning,
-                       fmt::format("{} of {} streams are missing: {}", missing.size(),
-                                   merger.identity()["streams"].get<uint32_t>(), fmt::join(missing, ", ")));
+        core::api::log(LogLevel::Warning, fmt::format("{} of {} slices are missing: {}", missing.size(),
+                                                      merger.identity()[core::kSliceCountKey].get<uint32_t>(),
+                                                      fmt::join(missing, ", ")));
     const core::OutputSet::RescueResult written = outputs.writeOrRescue(frameOf(merger, layers));
     return {{StopReason::Passes, merger.film().passes(), written.failures, written.rescued, {}},
             statisticsOf(merger, parts).dump(2)};

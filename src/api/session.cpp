@@ -8,12 +8,12 @@
 namespace metrolux {
 namespace {
 
-core::StreamChoice streamsOf(const Streams& streams) {
-    if (streams.count < 1 || streams.count > core::kMostStreams)
-        throw core::Error("found {} streams, expected 1 to {}", streams.count, core::kMostStreams);
-    const core::StreamChoice choice{streams.count, streams.first, streams.last.value_or(streams.count - 1)};
+core::SliceChoice slicesOf(const Slices& slices) {
+    if (slices.count < 1 || slices.count > core::kMostSlices)
+        throw core::Error("found {} slices, expected 1 to {}", slices.count, core::kMostSlices);
+    const core::SliceChoice choice{slices.count, slices.first, slices.last.value_or(slices.count - 1)};
     if (choice.last >= choice.count || choice.first > choice.last)
-        throw core::Error("streams {} to {} of {}: expected some of 0 to {}", choice.first, choice.last,
+        throw core::Error("slices {} to {} of {}: expected some of 0 to {}", choice.first, choice.last,
                           choice.count, choice.count - 1);
     return choice;
 }
@@ -39,7 +39,7 @@ core::SessionOptions core::api::coreOptions(const metrolux::Scene& scene,
     for (const std::string& name : options.layers) result.aovs.push_back(core::aovFromName(name));
     result.version = version();
     result.scene = [scene] { return sceneIdentity(Internals::of(scene)); };
-    result.streams = streamsOf(options.streams);
+    result.slices = slicesOf(options.slices);
     return result;
 }
 

@@ -10,13 +10,13 @@ namespace metrolux::core::app {
 namespace {
 
 constexpr const char* kExamples = R"(Examples:
-  metrolux render scene.xml --passes 6400 --streams 64 --only-streams 0-31 --checkpoint part0     # on one machine
-  metrolux render scene.xml --passes 6400 --streams 64 --only-streams 32-63 --checkpoint part1    # on another
+  metrolux render scene.xml --passes 6400 --slices 64 --only-slices 0-31 --checkpoint part0     # on one machine
+  metrolux render scene.xml --passes 6400 --slices 64 --only-slices 32-63 --checkpoint part1    # on another
   metrolux merge part0 part1 -o image.exr -o image.png
 
-The image is that of one process which renders all streams, bit for bit. Parts weigh as many as they have passes.
+The image is that of one process which renders all slices, bit for bit. Parts weigh as many as they have passes.
 Parts of another scene, other options or another version, damaged ones and parts that overlap are refused;
-missing streams are warned of: the image is right without them, and noisier.)";
+missing slices are warned of: the image is right without them, and noisier.)";
 
 struct MergeArguments {
     std::vector<std::string> parts;
@@ -40,10 +40,10 @@ int merge(MergeArguments& a) {
 
 Run addMergeCommand(CLI::App& parent) {
     CLI::App* app =
-        parent.add_subcommand("merge", "Join the parts of a rendering that was divided into streams");
+        parent.add_subcommand("merge", "Join the parts of a rendering that was divided into slices");
     app->footer(kExamples);
     auto arguments = std::make_shared<MergeArguments>();
-    app->add_option("parts", arguments->parts, "Checkpoints of `metrolux render --only-streams`")
+    app->add_option("parts", arguments->parts, "Checkpoints of `metrolux render --only-slices`")
         ->required()
         ->option_text("PART...");
     addOutputOptions(*app, arguments->render);

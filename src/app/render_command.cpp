@@ -21,8 +21,8 @@ constexpr const char* kExamples = R"(Examples:
   metrolux render scene.xml -i path --passes 64 --seed 7
   metrolux render scene.xml --resolution 320x180 --crop 100,50,64,64 -D material=glass
   metrolux render scene.xml -o a.exr --aov albedo,normal,depth,variance --stats a.json
-  metrolux render scene.xml -o a.exr --passes 6400 --streams 64 --only-streams 0-7 --checkpoint part0
-  mpirun -n 16 metrolux render scene.xml -o a.exr --passes 6400 --streams 64
+  metrolux render scene.xml -o a.exr --passes 6400 --slices 64 --only-slices 0-7 --checkpoint part0
+  mpirun -n 16 metrolux render scene.xml -o a.exr --passes 6400 --slices 64
   metrolux render scene.xml -o a.exr --time 8h --checkpoint a.checkpoint   # `metrolux resume` goes on from it
 
 Ctrl-C ends the pass in progress, writes the image and exits with status 3; a second Ctrl-C exits at once.
@@ -159,9 +159,9 @@ int render(RenderArguments& a, std::optional<Checkpoint> before) {
     if (!team) return renderAlone(a, std::move(before));
     // An error of one process ends all: the others would wait for it.
     try {
-        if (a.streams == 0 || !a.onlyStreams.empty())
+        if (a.slices == 0 || !a.onlySlices.empty())
             throw Error(
-                "{} processes share the streams of a rendering: give --streams S, without --only-streams",
+                "{} processes share the slices of a rendering: give --slices S, without --only-slices",
                 team->size());
         a.rank = team->rank();
         if (team->rank() > 0) a.quiet = true;

@@ -71,19 +71,25 @@ void addCheckpointOptions(CLI::App& app, RenderArguments& a) {
         ->group(group);
 }
 
-void addStreamOptions(CLI::App& app, RenderArguments& a) {
+void addSliceOptions(CLI::App& app, RenderArguments& a) {
     const char* const group = "Many machines (docs/how-to/many-machines.md)";
     app.add_option(
-           "--streams", a.streams,
-           "Divide the rendering into S independent streams of passes. Under mpirun the ranks share\nthem; "
+           "--slices", a.slices,
+           "Divide the rendering into S independent slices of passes. Under mpirun the ranks share\nthem; "
            "for given S, seed and passes the image is the same on any number of ranks")
         ->option_text("S")
-        ->check(wholeNumber<uint32_t>(1, kMostStreams))
+        ->check(wholeNumber<uint32_t>(1, kMostSlices))
         ->group(group);
-    app.add_option("--only-streams", a.onlyStreams,
-                   "Render these of the streams: the checkpoint is a part for `metrolux merge`")
+    app.add_option("--only-slices", a.onlySlices,
+                   "Render these of the slices: the checkpoint is a part for `metrolux merge`")
         ->option_text("A-B")
         ->group(group);
+    // Their names before 0.3.0, which scripts have.
+    app.add_option("--streams", a.slices)
+        ->check(wholeNumber<uint32_t>(1, kMostSlices))
+        ->excludes("--slices")
+        ->group("");
+    app.add_option("--only-streams", a.onlySlices)->excludes("--only-slices")->group("");
 }
 
 void addRenderOptions(CLI::App& app, RenderArguments& a) {
@@ -99,7 +105,7 @@ void addRenderOptions(CLI::App& app, RenderArguments& a) {
         ->group("Output");
     addLimitOptions(app, a);
     addCheckpointOptions(app, a);
-    addStreamOptions(app, a);
+    addSliceOptions(app, a);
     addAlgorithmOptions(app, a);
     addMachineOptions(app, a);
 }
@@ -220,20 +226,20 @@ void prepareCheckpoints(RenderArguments& a) {
     if (files.command.empty()) files.command = commandWords();
 }
 
-void prepareStreams(RenderArguments& a) {
-    metrolux::Streams& choice = a.session.streams;
-    choice.count = std::max(a.streams, uint32_t{1});
-    if (a.onlyStreams.empty()) return;
-    const Range range = parseRange(a.onlyStreams);
-    if (a.streams == 0)
-        throw Error("--only-streams {}: of how many is missing, say it with --streams S", a.onlyStreams);
+void prepareSlices(RenderArguments& a) {
+    metrolux::Slices& choice = a.session.slices;
+    choice.count = std::max(a.slices, uint32_t{1});
+    if (a.onlySlices.empty()) return;
+    const Range range = parseRange(a.onlySlices);
+    if (a.slices == 0)
+        throw Error("--only-slices {}: of how many is missing, say it with --slices S", a.onlySlices);
     if (range.last >= choice.count)
-        throw Error("--only-streams {}: found stream {}, expected 0 to {}", a.onlyStreams, range.last,
+        throw Error("--only-slices {}: found slice {}, expected 0 to {}", a.onlySlices, range.last,
                     choice.count - 1);
     if (a.files.checkpoint.empty())
         throw Error(
-            "--only-streams {}: the part for `metrolux merge` needs a file, name it with --checkpoint FILE",
-            a.onlyStreams);
+            "--only-slices {}: the part for `metrolux merge` needs a file, name it with --checkpoint FILE",
+            a.onlySlices);
     if (a.limits.relativeError > 0)
         throw Error("--error: a part knows the error of its own passes only; give --time or --passes");
     choice.first = range.first;
@@ -260,8 +266,8 @@ void prepareRender(RenderArguments& a) {
     if (!a.error.empty()) a.limits.relativeError = parseRelativeError(a.error);
     if (!a.saveEvery.empty()) a.files.saveEvery = parseInterval(a.saveEvery);
     prepareAlgorithm(a);
-    prepareStreams(a);
-    if (a.outputs.empty() && a.onlyStreams.empty()) a.outputs.push_back(sceneName(a.scene) + ".exr");
+    prepareSlices(a);
+    if (a.outputs.empty() && a.onlySlices.empty()) a.outputs.push_back(sceneName(a.scene) + ".exr");
     prepareOutputs(a);
     prepareCheckpoints(a);
 }

@@ -11,8 +11,8 @@ namespace metrolux::core::app {
 
 struct RenderArguments {
     std::string scene, time, error, saveEvery, memory, sceneMemory, resolution, crop, filter, sensor, stats,
-        checkpointEvery, onlyStreams;
-    uint32_t streams = 0;  ///< 0: not divided
+        checkpointEvery, onlySlices;
+    uint32_t slices = 0;  ///< 0: not divided
     std::vector<std::string> outputs, defines;
     metrolux::SessionOptions session;
     metrolux::Limits limits;
@@ -31,8 +31,8 @@ void addOutputOptions(CLI::App& app, RenderArguments& a);
 void addLimitOptions(CLI::App& app, RenderArguments& a);
 /// --checkpoint, --checkpoint-every.
 void addCheckpointOptions(CLI::App& app, RenderArguments& a);
-/// --streams, --only-streams.
-void addStreamOptions(CLI::App& app, RenderArguments& a);
+/// --slices, --only-slices.
+void addSliceOptions(CLI::App& app, RenderArguments& a);
 /// Everything that `render` takes.
 void addRenderOptions(CLI::App& app, RenderArguments& a);
 /// --integrator and everything that changes what it computes.

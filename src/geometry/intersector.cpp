@@ -3,7 +3,9 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "geometry/affine.h"
+#include "geometry/embree_query.h"
 #include "geometry/ray_counters.h"
+#include "geometry/ray_packets.h"
 #include "geometry/triangle_pairs.h"
 #include "geometry/triangle_prefetch.h"
 
@@ -23,25 +25,6 @@ constexpr const char* kDeviceOptions = "threads=1";
 #else
 constexpr const char* kDeviceOptions = nullptr;
 #endif
-
-/// Carries the local rays of the nearest analytic hits out of the traversal; the interaction is computed from
-/// them once, when the nearest hit of all is known. A ray's `id` is its place here.
-struct QueryContext {
-    RTCIntersectContext embree;
-    Ray* analyticRays;
-};
-
-Ray toRay(const RTCRay& r) { return {{r.org_x, r.org_y, r.org_z}, {r.dir_x, r.dir_y, r.dir_z}, r.tfar}; }
-
-RTCRay toEmbree(const Ray& ray) {
-    RTCRay r{};
-    r.org_x = ray.origin.x, r.org_y = ray.origin.y, r.org_z = ray.origin.z;
-    r.dir_x = ray.direction.x, r.dir_y = ray.direction.y, r.dir_z = ray.direction.z;
-    r.tnear = 0;
-    r.tfar = ray.tMax;
-    r.mask = ~0u;
-    return r;
-}
 
 void boundsOfAnalytic(const RTCBoundsFunctionArguments* arguments) {
     Vec3f lower, upper;
@@ -99,6 +82,11 @@ struct Group {
     std::vector<Target> targets;
     bool pairs = false;  ///< its meshes are quadrilaterals for Embree (triangle_pairs.h)
 };
+
+/// Whether rays are traced one by one: so few are not slower so.
+bool oneByOne(size_t count, int packetWidth, Coherence coherence) {
+    return count < 4 || packetWidth == 1 || coherence == Coherence::Alone;
+}
 
 /// Share of triangles with a partner from which a group is given in pairs. The others have an empty half.
 constexpr double kPairedShare = 0.75;
@@ -325,123 +313,6 @@ Intersector::Intersector(const std::vector<ShapePtr>& shapes, const std::vector<
 
 Intersector::~Intersector() = default;
 
-namespace {
-
-/// A query for the nearest hit; true if there is one.
-bool nearest(RTCScene scene, const Ray& ray, RTCRayHit& query, Ray& analyticRay) {
-    QueryContext context;
-    context.analyticRays = &analyticRay;
-    rtcInitIntersectContext(&context.embree);
-    query.ray = toEmbree(ray);
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(scene, &context.embree, &query);
-    return query.hit.geomID != RTC_INVALID_GEOMETRY_ID;
-}
-
-bool anything(RTCScene scene, const Ray& ray) {
-    if (!(ray.tMax > 0)) return false;
-    QueryContext context;
-    rtcInitIntersectContext(&context.embree);
-    RTCRay query = toEmbree(ray);
-    rtcOccluded1(scene, &context.embree, &query);
-    return query.tfar < 0;
-}
-
-/// Embree's types and functions for packets of N rays.
-template <int N, class R, class H, auto intersectFunction, auto occludedFunction>
-struct Packets {
-    static constexpr int kWidth = N;
-    using Rays = R;
-    using RayHits = H;
-    static constexpr auto intersect = intersectFunction;
-    static constexpr auto occluded = occludedFunction;
-};
-using Packets4 = Packets<4, RTCRay4, RTCRayHit4, rtcIntersect4, rtcOccluded4>;
-using Packets8 = Packets<8, RTCRay8, RTCRayHit8, rtcIntersect8, rtcOccluded8>;
-using Packets16 = Packets<16, RTCRay16, RTCRayHit16, rtcIntersect16, rtcOccluded16>;
-
-/// Calls body(packets) with the kind of this width, one of 4, 8 and 16.
-template <class Body>
-void withPackets(int width, Body&& body) {
-    if (width == 16)
-        body(Packets16());
-    else if (width == 8)
-        body(Packets8());
-    else
-        body(Packets4());
-}
-
-/// The packet's first `count` rays; the others are left out.
-template <int N, class Rays>
-void load(const Ray* rays, int count, Rays& packet, int* valid) {
-    for (int k = 0; k < N; ++k) {
-        const Ray& ray = rays[k < count ? k : 0];
-        valid[k] = k < count && ray.tMax > 0 ? -1 : 0;
-        packet.org_x[k] = ray.origin.x, packet.org_y[k] = ray.origin.y, packet.org_z[k] = ray.origin.z;
-        packet.dir_x[k] = ray.direction.x, packet.dir_y[k] = ray.direction.y,
-        packet.dir_z[k] = ray.direction.z;
-        packet.tfar[k] = ray.tMax;
-    }
-}
-
-/// What is the same for all packets.
-template <int N, class Rays>
-void initialize(Rays& packet) {
-    for (int k = 0; k < N; ++k) {
-        packet.tnear[k] = packet.time[k] = 0;
-        packet.mask[k] = ~0u;
-        packet.id[k] = static_cast<unsigned>(k);
-        packet.flags[k] = 0;
-    }
-}
-
-template <class P>
-void intersectPackets(RTCScene scene, RayBatch& batch, Coherence coherence, Ray* analyticRays) {
-    constexpr int N = P::kWidth;
-    typename P::RayHits packet;
-    initialize<N>(packet.ray);
-    alignas(64) int valid[N];
-    QueryContext context;
-    rtcInitIntersectContext(&context.embree);
-    if (coherence == Coherence::High) context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    for (size_t first = 0; first < batch.size(); first += N) {
-        const int count = static_cast<int>(std::min<size_t>(N, batch.size() - first));
-        load<N>(&batch.rays[first], count, packet.ray, valid);
-        for (int k = 0; k < N; ++k) packet.hit.geomID[k] = packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
-        context.analyticRays = analyticRays ? analyticRays + first : nullptr;
-        P::intersect(valid, scene, &context.embree, &packet);
-        for (int k = 0; k < count; ++k)
-            batch.hits[first + k] = {packet.hit.geomID[k],
-                                     packet.hit.primID[k],
-                                     packet.hit.instID[0][k],
-                                     {packet.hit.u[k], packet.hit.v[k]}};
-    }
-}
-
-template <class P>
-void occludedPackets(RTCScene scene, OcclusionBatch& batch) {
-    constexpr int N = P::kWidth;
-    typename P::Rays packet;
-    initialize<N>(packet);
-    alignas(64) int valid[N];
-    QueryContext context;
-    rtcInitIntersectContext(&context.embree);
-    for (size_t first = 0; first < batch.size(); first += N) {
-        const int count = static_cast<int>(std::min<size_t>(N, batch.size() - first));
-        load<N>(&batch.rays[first], count, packet, valid);
-        P::occluded(valid, scene, &context.embree, &packet);
-        for (int k = 0; k < count; ++k) batch.blocked[first + k] = packet.tfar[k] < 0;
-    }
-}
-
-/// Whether rays are traced one by one: so few are not slower so.
-bool oneByOne(size_t count, int packetWidth, Coherence coherence) {
-    return count < 4 || packetWidth == 1 || coherence == Coherence::Alone;
-}
-
-}  // namespace
-
 bool Intersector::intersect(const Ray& ray, SurfaceInteraction& si) const {
     Ray analyticRay;
     RTCRayHit query;
@@ -482,9 +353,7 @@ void Intersector::intersect(RayBatch& batch, Coherence coherence) const {
             }
             if (n > 0) impl_->prefetchVertices(batch.hits[n - 1]);
         } else {
-            withPackets(impl_->packetWidth, [&](auto packets) {
-                intersectPackets<decltype(packets)>(scene, batch, coherence, analyticRays);
-            });
+            intersectPackets(scene, impl_->packetWidth, coherence, batch, analyticRays);
         }
     }
     if (RayRecorder* recorder = RayRecorder::active())
@@ -520,8 +389,7 @@ void Intersector::occluded(OcclusionBatch& batch, Coherence coherence) const {
         if (oneByOne(n, impl_->packetWidth, coherence))
             for (size_t i = 0; i < n; ++i) batch.blocked[i] = anything(scene, batch.rays[i]);
         else
-            withPackets(impl_->packetWidth,
-                        [&](auto packets) { occludedPackets<decltype(packets)>(scene, batch); });
+            occludedPackets(scene, impl_->packetWidth, batch);
     }
     if (RayRecorder* recorder = RayRecorder::active())
         for (size_t i = 0; i < n; ++i) recorder->add({batch.rays[i], true, batch.blocked[i] != 0});

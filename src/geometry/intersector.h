@@ -9,11 +9,24 @@
 
 namespace metrolux::core {
 
-/// Rays traced, for --stats and progress. Counted per thread, summed when read.
+/// Rays that the process has traced, for --stats and progress: counted per thread, summed when read. Threads
+/// are shared, so that a count between two readings has the rays of everything that rendered in between.
 struct RayStatistics {
     uint64_t intersectRays = 0;
     uint64_t shadowRays = 0;
     double secondsInEmbree = 0;  ///< thread-seconds, from a timed subset of the rays (1 in 64), scaled up
+
+    RayStatistics& operator+=(const RayStatistics& other) {
+        intersectRays += other.intersectRays;
+        shadowRays += other.shadowRays;
+        secondsInEmbree += other.secondsInEmbree;
+        return *this;
+    }
+    RayStatistics operator-(const RayStatistics& before) const {
+        return {intersectRays - before.intersectRays, shadowRays - before.shadowRays,
+                secondsInEmbree - before.secondsInEmbree};
+    }
+    uint64_t all() const { return intersectRays + shadowRays; }
 };
 
 /// Ray queries against all shapes of a scene (Embree). Immutable and thread-safe after construction.
@@ -51,8 +64,8 @@ class Intersector {
     void bounds(Vec3f& lower, Vec3f& upper) const;
     /// Embree's version, "3.13.5".
     static std::string libraryVersion();
+    /// Since the process began.
     static RayStatistics statistics();
-    static void resetStatistics();
 
   private:
     struct Impl;

@@ -20,9 +20,7 @@ struct Sums {
 struct Registry {
     std::mutex mutex;
     std::vector<const RayCounters*> live;
-    Sums retired;   // of threads that have ended
-    Sums baseline;  // what reset() subtracts: the counters belong to their threads and are never written by
-                    // others
+    Sums retired;  // of threads that have ended
 
     Sums sum() const {
         Sums result = retired;
@@ -59,21 +57,10 @@ RayCounters& RayCounters::addThread() {
 RayStatistics RayCounters::total() {
     const std::lock_guard lock(registry().mutex);
     const Sums now = registry().sum();
-    const Sums& base = registry().baseline;
-    RayStatistics result;
-    result.intersectRays = now.intersectRays - base.intersectRays;
-    result.shadowRays = now.shadowRays - base.shadowRays;
-    result.secondsInEmbree =
-        1e-9 * static_cast<double>((now.timedNanoseconds - base.timedNanoseconds) * RayTimer::kTimedEvery);
-    return result;
-}
-
-void RayCounters::reset() {
-    const std::lock_guard lock(registry().mutex);
-    registry().baseline = registry().sum();
+    return {now.intersectRays, now.shadowRays,
+            1e-9 * static_cast<double>(now.timedNanoseconds * RayTimer::kTimedEvery)};
 }
 
 RayStatistics Intersector::statistics() { return RayCounters::total(); }
-void Intersector::resetStatistics() { RayCounters::reset(); }
 
 }  // namespace metrolux::core

@@ -23,7 +23,6 @@ struct alignas(64) RayCounters {
         add(timedNanoseconds, static_cast<uint64_t>(std::chrono::nanoseconds(elapsed).count()));
     }
     static RayStatistics total();
-    static void reset();
 
   private:
     static RayCounters& addThread();

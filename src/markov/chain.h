@@ -126,13 +126,6 @@ class MarkovChain {
         return accepted;
     }
 
-    /// Evaluates the current state again (the target has changed).
-    template <class Evaluate>
-    void reevaluate(Evaluate&& evaluate, CounterRng& rng) {
-        PrimarySampleStream stream(state_.u, rng);
-        evaluate(stream, state_.value);
-    }
-
     /// Kernel and primary sample. The value and its weight are the owner's: it pays out weights before it
     /// saves, and saves the value too or evaluates it again.
     template <class Archive>

@@ -77,16 +77,15 @@ void checkIdentity(const std::string& text) {
     };
     const nlohmann::json identity = nlohmann::json::parse(text, shallow, false);
     checkState(!identity.is_discarded(), "an identity in JSON");
-    const auto find = [&](const char* path) {
+    const auto find = [&](const std::string& path) {
         const nlohmann::json::json_pointer pointer(path);
         return identity.contains(pointer) ? identity.at(pointer) : nlohmann::json();
     };
     checkState(find("/scene/name").is_string(), "the scene's name");
     checkState(find("/algorithm/integrator").is_string(), "the integrator's name");
     checkState(find("/algorithm/seed").is_number_integer(), "a seed");
-    const nlohmann::json streams = find("/streams");
-    checkState(streams.is_number_unsigned() && streams >= 1u && streams <= kMostStreams,
-               "a number of streams");
+    const nlohmann::json slices = find(std::string("/") + kSliceCountKey);
+    checkState(slices.is_number_unsigned() && slices >= 1u && slices <= kMostSlices, "a number of slices");
 }
 
 /// The window lies in the image, and its film has the bytes for it, before memory is taken for it.
@@ -130,7 +129,7 @@ void Checkpoint::serialize(Archive& archive) {
             rays.intersectRays, rays.shadowRays, rays.secondsInEmbree);
     archive(window.fullWidth, window.fullHeight, window.x, window.y, window.width, window.height);
     serializeElements(archive, nonFinite, "techniques");
-    archive(film, streams);
+    archive(film, slices);
 }
 
 fs::path previousCheckpoint(const fs::path& file) { return file.string() + ".1"; }

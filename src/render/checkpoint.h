@@ -5,7 +5,7 @@
 #include "geometry/intersector.h"
 #include "image/film_window.h"
 #include "render/pass_loop.h"
-#include "render/streams.h"
+#include "render/slices.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -29,8 +29,8 @@ struct Checkpoint {
     RayStatistics rays;           ///< traced so far
     TechniqueCounts nonFinite{};  ///< Integrator::nonFinite so far
     FilmWindow window;
-    std::string film;                  ///< Film::saveState
-    std::vector<StreamState> streams;  ///< that have passes
+    std::string film;                ///< Film::saveState
+    std::vector<SliceState> slices;  ///< that have passes
 
     template <class Archive>
     void serialize(Archive& archive);
@@ -40,7 +40,7 @@ struct Checkpoint {
 void writeCheckpoint(const std::filesystem::path& file, const Checkpoint& checkpoint);
 /// Throws Error that says what is wrong with the file: damaged, of another format or version of the program,
 /// or with contents that no rendering has. What it returns has an identity that can be parsed, compared and
-/// asked for scene/name, algorithm and streams, and a window that `film` has the bytes for.
+/// asked for scene/name, algorithm and slices, and a window that `film` has the bytes for.
 Checkpoint readCheckpoint(const std::filesystem::path& file, const std::string& version);
 /// As readCheckpoint(), from the file's bytes; `name` is for messages.
 Checkpoint parseCheckpoint(std::string_view bytes, const std::string& name, const std::string& version);

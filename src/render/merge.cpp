@@ -17,7 +17,7 @@ void PartMerger::add(const std::string& name, const Checkpoint& part) {
     if (!different.empty())
         throw Error("'{}' does not belong to the rendering of '{}':\n  {}", name, firstName_,
                     fmt::join(different, "\n  "));
-    addStreams(name, part);
+    addSlices(name, part);
     Film film(part.window, unused);
     try {
         StateReader reader(part.film);
@@ -34,19 +34,19 @@ void PartMerger::add(const std::string& name, const Checkpoint& part) {
     rays_.secondsInEmbree += part.rays.secondsInEmbree;
 }
 
-void PartMerger::addStreams(const std::string& name, const Checkpoint& part) {
-    for (const StreamState& stream : part.streams) {
-        const auto [other, isNew] = origin_.emplace(stream.index, name);
+void PartMerger::addSlices(const std::string& name, const Checkpoint& part) {
+    for (const SliceState& slice : part.slices) {
+        const auto [other, isNew] = origin_.emplace(slice.index, name);
         if (!isNew)
-            throw Error("stream {} is in '{}' and in '{}': parts may not overlap", stream.index,
-                        other->second, name);
-        passes_[stream.index] = stream.passes;
+            throw Error("slice {} is in '{}' and in '{}': parts may not overlap", slice.index, other->second,
+                        name);
+        passes_[slice.index] = slice.passes;
     }
 }
 
 std::vector<uint32_t> PartMerger::missing() const {
     std::vector<uint32_t> result;
-    for (uint32_t s = 0; s < identity_["streams"].get<uint32_t>(); ++s)
+    for (uint32_t s = 0; s < identity_[kSliceCountKey].get<uint32_t>(); ++s)
         if (!passes_.contains(s)) result.push_back(s);
     return result;
 }

@@ -8,11 +8,11 @@
 
 namespace metrolux::core {
 
-/// Joins the checkpoints of streams that were rendered apart. Sums are exact, so that the image is that of
+/// Joins the checkpoints of slices that were rendered apart. Sums are exact, so that the image is that of
 /// one process which rendered all of them.
 class PartMerger {
   public:
-    /// Throws Error for a part of another rendering than the first one, and for a stream that is there
+    /// Throws Error for a part of another rendering than the first one, and for a slice that is there
     /// already. `name` is for messages.
     void add(const std::string& name, const Checkpoint& part);
 
@@ -22,13 +22,13 @@ class PartMerger {
     double seconds() const { return seconds_; }  ///< of all parts
     const RayStatistics& rays() const { return rays_; }
     const TechniqueCounts& nonFinite() const { return nonFinite_; }
-    /// Passes of each stream.
+    /// Passes of each slice.
     const std::map<uint32_t, uint32_t>& passes() const { return passes_; }
-    /// Streams that no part has.
+    /// Slices that no part has.
     std::vector<uint32_t> missing() const;
 
   private:
-    void addStreams(const std::string& name, const Checkpoint& part);
+    void addSlices(const std::string& name, const Checkpoint& part);
     std::string firstName_;
     nlohmann::json identity_;
     std::unique_ptr<Film> film_;

@@ -17,13 +17,13 @@ nlohmann::json numberOrNull(double value) {
     return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
 
-/// The integrators of streams. What the scene is probed for is found once.
-StreamedIntegrator::Make streamMaker(const Scene& scene, const SessionOptions& options,
-                                     const IntegratorChoice& choice) {
+/// The integrators of slices. What the scene is probed for is found once.
+SlicedIntegrator::Make sliceMaker(const Scene& scene, const SessionOptions& options,
+                                  const IntegratorChoice& choice) {
     const IntegratorFactory make = choice.integrator->prepare(scene, options.common, choice.parameters);
-    const uint32_t count = options.streams.count;
-    return [make, seed = options.common.seed, count](uint32_t stream) {
-        return make(streamSeed(seed, stream, count));
+    const uint32_t count = options.slices.count;
+    return [make, seed = options.common.seed, count](uint32_t slice) {
+        return make(sliceSeed(seed, slice, count));
     };
 }
 
@@ -33,11 +33,11 @@ SessionOptions withIntegrator(SessionOptions options, const std::string& name) {
 }
 
 double raysPerSecond(const RayStatistics& rays, double seconds) {
-    return seconds > 0 ? static_cast<double>(rays.intersectRays + rays.shadowRays) / seconds : 0.0;
+    return seconds > 0 ? static_cast<double>(rays.all()) / seconds : 0.0;
 }
 
-/// `limits.passes` as those of the chosen streams.
-RenderLimits limitsOfChoice(RenderLimits limits, const StreamChoice& choice) {
+/// `limits.passes` as those of the chosen slices.
+RenderLimits limitsOfChoice(RenderLimits limits, const SliceChoice& choice) {
     if (limits.passes > 0) limits.passes = passesOfChoice(choice, limits.passes);
     return limits;
 }
@@ -51,7 +51,7 @@ RenderSession::RenderSession(const std::shared_ptr<const Scene>& scene, const Se
 RenderSession::RenderSession(const std::shared_ptr<const Scene>& scene, const SessionOptions& options,
                              const IntegratorChoice& choice)
     : RenderSession(scene, withIntegrator(options, choice.name()), toJson(choice.parameters),
-                    streamMaker(*scene, options, choice)) {}
+                    sliceMaker(*scene, options, choice)) {}
 
 RenderSession::RenderSession(std::shared_ptr<const Scene> scene, SessionOptions options,
                              std::unique_ptr<Integrator> integrator)
@@ -61,12 +61,12 @@ RenderSession::RenderSession(std::shared_ptr<const Scene> scene, SessionOptions 
                     }) {}
 
 RenderSession::RenderSession(std::shared_ptr<const Scene> scene, SessionOptions options,
-                             nlohmann::json parameters, StreamedIntegrator::Make make)
+                             nlohmann::json parameters, SlicedIntegrator::Make make)
     : scene_(std::move(scene)),
       options_(std::move(options)),
       parameters_(std::move(parameters)),
       film_(makeFilm(*scene_)),
-      integrator_(std::move(make), options_.streams) {}
+      integrator_(std::move(make), options_.slices) {}
 
 nlohmann::json RenderSession::identity() const {
     if (!sceneIdentity_) sceneIdentity_ = options_.scene ? options_.scene() : nlohmann::json();
@@ -84,7 +84,7 @@ nlohmann::json RenderSession::identity() const {
             {"window", {w.x, w.y, w.width, w.height}},
             {"image", {w.fullWidth, w.fullHeight}},
             {"algorithm", algorithm},
-            {"streams", options_.streams.count}};
+            {kSliceCountKey, options_.slices.count}};
 }
 
 void RenderSession::restore(Checkpoint checkpoint) {
@@ -92,7 +92,7 @@ void RenderSession::restore(Checkpoint checkpoint) {
     if (!different.empty())
         throw Error("the checkpoint belongs to another rendering:\n  {}", fmt::join(different, "\n  "));
     secondsBefore_ = checkpoint.seconds;
-    integrator_.restore(std::move(checkpoint.streams));
+    integrator_.restore(std::move(checkpoint.slices));
     if (options_.rank > 0) return;  // rank 0 brings what was rendered before
     StateReader reader(checkpoint.film);
     film_.loadState(reader);
@@ -141,7 +141,7 @@ void RenderSession::end(double seconds) {
 }
 
 SessionResult RenderSession::run(const RunOptions& options, const RunHooks& hooks) {
-    const RenderLimits limits = limitsOfChoice(options.limits, options_.streams);
+    const RenderLimits limits = limitsOfChoice(options.limits, options_.slices);
     Run run = begin(options, hooks);
     PassReport last = report();
     PassLoopHooks loop;
@@ -233,7 +233,7 @@ Checkpoint RenderSession::checkpoint(const RunOptions& options, const Snapshot& 
     StateWriter writer;
     now.film.saveState(writer);
     c.film = writer.take();
-    c.streams = now.streams();
+    c.slices = now.slices();
     return c;
 }
 
@@ -246,11 +246,7 @@ TechniqueCounts RenderSession::nonFinite() const {
 RayStatistics RenderSession::rays() const {
     RayStatistics rays = raysBefore_;
     if (!counting_) return rays;
-    const RayStatistics now = Intersector::statistics();
-    rays.intersectRays += now.intersectRays - counterStart_.intersectRays;
-    rays.shadowRays += now.shadowRays - counterStart_.shadowRays;
-    rays.secondsInEmbree += now.secondsInEmbree - counterStart_.secondsInEmbree;
-    return rays;
+    return rays += Intersector::statistics() - counterStart_;
 }
 
 RenderedFrame RenderSession::frame(const Snapshot& now) {

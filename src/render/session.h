@@ -6,7 +6,7 @@
 #include "render/checkpoint.h"
 #include "render/output.h"
 #include "render/pass_loop.h"
-#include "render/streams.h"
+#include "render/slices.h"
 #include "render/team.h"
 
 #include <nlohmann/json.hpp>
@@ -26,8 +26,8 @@ struct SessionOptions {
     std::string version;  ///< for statistics, metadata and checkpoints
     /// Files and options of the scene, for identity(), asked once; default: null.
     std::function<nlohmann::json()> scene;
-    int rank = 0;          ///< in a team: files are written by rank 0
-    StreamChoice streams;  ///< the passes of a limit are those of all streams together
+    int rank = 0;        ///< in a team: files are written by rank 0
+    SliceChoice slices;  ///< the passes of a limit are those of all slices together
 };
 
 /// Where and when the state is saved, and what a later process needs to know.
@@ -81,7 +81,7 @@ class RenderSession {
     /// A checkpoint that cannot be written is warned of and tried again after the next interval.
     SessionResult run(const RunOptions& options, const RunHooks& hooks);
 
-    /// As run(), together with other processes, which share the streams; all of them call it. Rank 0 writes
+    /// As run(), together with other processes, which share the slices; all of them call it. Rank 0 writes
     /// the files and has the result, the others' only says why they stopped. There is no error limit.
     SessionResult runTogether(Team& team, const RunOptions& options, const RunHooks& hooks);
 
@@ -113,14 +113,14 @@ class RenderSession {
     RenderSession(const std::shared_ptr<const Scene>& scene, const SessionOptions& options,
                   const IntegratorChoice& choice);
     RenderSession(std::shared_ptr<const Scene> scene, SessionOptions options, nlohmann::json parameters,
-                  StreamedIntegrator::Make make);
+                  SlicedIntegrator::Make make);
     /// What has been rendered, by this process or by a team.
     struct Snapshot {
         const Film& film;
         PassReport report;
         TechniqueCounts nonFinite;
         RayStatistics rays;
-        std::function<std::vector<StreamState>()> streams;
+        std::function<std::vector<SliceState>()> slices;
     };
     /// A run in progress.
     struct Run {
@@ -142,7 +142,7 @@ class RenderSession {
     void saveCheckpoint(Run& run, const Snapshot& now);
     void conclude(Run& run, const Snapshot& end, SessionResult& result);
     Checkpoint checkpoint(const RunOptions& options, const Snapshot& now) const;
-    void shareStreams(Team& team, const RenderLimits& limits);
+    void shareSlices(Team& team, const RenderLimits& limits);
     void report(Run& run, const TeamResult& all, double seconds, SessionResult& result);
     std::unique_ptr<Film> merged(const TeamResult& result) const;
     RayStatistics rays() const;
@@ -153,7 +153,7 @@ class RenderSession {
     nlohmann::json parameters_;                            ///< of the integrator, by name
     mutable std::optional<nlohmann::json> sceneIdentity_;  ///< files are read once for it
     Film film_;
-    StreamedIntegrator integrator_;
+    SlicedIntegrator integrator_;
     std::optional<std::vector<ImageLayer>> cameraLayers_;
     double secondsForAovs_ = 0;
     double secondsBefore_ = 0;           ///< of the runs and processes before

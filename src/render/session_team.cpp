@@ -1,4 +1,4 @@
-/// RenderSession together with other processes. Each renders streams into its own film; now and then all
+/// RenderSession together with other processes. Each renders slices into its own film; now and then all
 /// meet, and rank 0 receives the sum.
 
 #include "base/clock.h"
@@ -20,17 +20,16 @@ double meetingInterval(const RunOptions& options) {
 
 }  // namespace
 
-/// With a number of passes, a rank takes the next stream when it has finished one. Without, time is the
-/// limit, and each rank keeps its own streams, in turns.
-void RenderSession::shareStreams(Team& team, const RenderLimits& limits) {
-    const StreamChoice& choice = options_.streams;
+/// With a number of passes, a rank takes the next slice when it has finished one. Without, time is the
+/// limit, and each rank keeps its own slices, in turns.
+void RenderSession::shareSlices(Team& team, const RenderLimits& limits) {
+    const SliceChoice& choice = options_.slices;
     if (limits.passes > 0) {
         integrator_.setNext([&]() -> std::optional<uint32_t> {
             while (true) {
-                const uint64_t stream = uint64_t{choice.first} + team.takeNumber();
-                if (stream > choice.last) return std::nullopt;
-                if (integrator_.unfinished(static_cast<uint32_t>(stream)))
-                    return static_cast<uint32_t>(stream);
+                const uint64_t slice = uint64_t{choice.first} + team.takeNumber();
+                if (slice > choice.last) return std::nullopt;
+                if (integrator_.unfinished(static_cast<uint32_t>(slice))) return static_cast<uint32_t>(slice);
             }
         });
         return;
@@ -39,9 +38,9 @@ void RenderSession::shareStreams(Team& team, const RenderLimits& limits) {
                first = choice.first + static_cast<uint32_t>(team.rank());
     integrator_.setNext([=, next = first, last = choice.last]() mutable -> std::optional<uint32_t> {
         if (first > last) return std::nullopt;
-        const uint32_t stream = next;
-        next = stream + size > last ? first : stream + size;
-        return stream;
+        const uint32_t slice = next;
+        next = slice + size > last ? first : slice + size;
+        return slice;
     });
 }
 
@@ -57,11 +56,11 @@ SessionResult RenderSession::runTogether(Team& team, const RunOptions& options, 
             "--error: several processes know the error of their own passes only; give --time or --passes");
     team.checkSame(identity().dump(), "rendering");
     Run run = begin(options, hooks);
-    shareStreams(team, options.limits);
+    shareSlices(team, options.limits);
     const double start = steadySeconds() - secondsBefore_;
     const auto seconds = [start] { return steadySeconds() - start; };
     const double interval = meetingInterval(options);
-    const bool keepsStreams = !options.checkpoint.file.empty();
+    const bool keepsSlices = !options.checkpoint.file.empty();
     double nextMeeting = seconds() + interval;
     bool working = true, stopped = false;
     SessionResult result;
@@ -75,8 +74,8 @@ SessionResult RenderSession::runTogether(Team& team, const RunOptions& options, 
                 hooks.afterPass({film_.passes(), seconds(), kInfinity, -1}, 0, integrator_.progressNote());
             if (seconds() < nextMeeting) continue;
         }
-        std::vector<StreamState> own;
-        if (keepsStreams && team.rank() > 0) own = integrator_.states(true);
+        std::vector<SliceState> own;
+        if (keepsSlices && team.rank() > 0) own = integrator_.states(true);
         const TeamResult all = team.meet({film_, std::move(own), nonFinite(), rays(), working, stopped});
         nextMeeting = seconds() + interval;
         stopped = all.interrupted;
@@ -93,16 +92,16 @@ SessionResult RenderSession::runTogether(Team& team, const RunOptions& options, 
 /// Rank 0, after a meeting.
 void RenderSession::report(Run& run, const TeamResult& all, double seconds, SessionResult& result) {
     const std::unique_ptr<Film> film = merged(all);
-    const auto streams = [&] {
-        std::map<uint32_t, StreamState> states;
-        for (StreamState& s : integrator_.states()) states[s.index] = std::move(s);
-        for (const StreamState& s : all.streams) states[s.index] = s;
-        std::vector<StreamState> list;
+    const auto slices = [&] {
+        std::map<uint32_t, SliceState> states;
+        for (SliceState& s : integrator_.states()) states[s.index] = std::move(s);
+        for (const SliceState& s : all.slices) states[s.index] = s;
+        std::vector<SliceState> list;
         for (auto& [index, state] : states) list.push_back(std::move(state));
         return list;
     };
     const Snapshot now{
-        *film, {film->passes(), seconds, film->relativeError(), -1}, all.nonFinite, all.rays, streams};
+        *film, {film->passes(), seconds, film->relativeError(), -1}, all.nonFinite, all.rays, slices};
     if (all.working)
         saveWhatIsDue(run, now);
     else

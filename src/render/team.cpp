@@ -75,7 +75,7 @@ class MpiTeam final : public Team {
                    MPI_COMM_WORLD);
         result.rays.intersectRays = allRays[0];
         result.rays.shadowRays = allRays[1];
-        gatherStreams(report.streams, result.streams);
+        gatherSlices(report.slices, result.slices);
         return result;
     }
 
@@ -114,12 +114,12 @@ class MpiTeam final : public Team {
     }
 
     /// One rank after the other, so that rank 0 holds one message at a time besides the result.
-    void gatherStreams(const std::vector<StreamState>& own, std::vector<StreamState>& all) const {
+    void gatherSlices(const std::vector<SliceState>& own, std::vector<SliceState>& all) const {
         if (rank_ == 0) {
             for (int rank = 1; rank < size_; ++rank) {
-                std::vector<StreamState> streams;
-                loadState(receive(rank), streams);
-                std::move(streams.begin(), streams.end(), std::back_inserter(all));
+                std::vector<SliceState> slices;
+                loadState(receive(rank), slices);
+                std::move(slices.begin(), slices.end(), std::back_inserter(all));
             }
         } else {
             send(saveState(own));
@@ -163,7 +163,7 @@ std::unique_ptr<Team> makeTeam() {
     throw Error(
         "started as one of {} processes of MPI, but this program was built without MPI: install "
         "libopenmpi-dev "
-        "and build again, or divide the render with --only-streams and `metrolux merge`",
+        "and build again, or divide the render with --only-slices and `metrolux merge`",
         processes);
 #endif
 }

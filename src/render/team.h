@@ -3,7 +3,7 @@
 
 #include "geometry/intersector.h"
 #include "image/film.h"
-#include "render/streams.h"
+#include "render/slices.h"
 
 #include <memory>
 #include <string>
@@ -14,7 +14,7 @@ namespace metrolux::core {
 /// What the processes have rendered, summed; complete on rank 0, elsewhere only the flags are set.
 struct TeamResult {
     std::vector<PixelSum> sums;
-    std::vector<StreamState> streams;  ///< of the other ranks, if they were asked for
+    std::vector<SliceState> slices;  ///< of the other ranks, if they were asked for
     TechniqueCounts nonFinite{};
     RayStatistics rays;
     uint32_t passes = 0;
@@ -32,7 +32,7 @@ class Team {
     /// What a process brings to a meeting.
     struct Report {
         const Film& film;
-        std::vector<StreamState> streams;
+        std::vector<SliceState> slices;
         TechniqueCounts nonFinite;
         RayStatistics rays;
         bool working = false, interrupted = false;

@@ -1,6 +1,6 @@
 #include "scattering/rough_diffuse.h"
 
-#include "base/warp.h"
+#include "scattering/cosine_sampled.h"
 #include "scattering/parameter.h"
 
 namespace metrolux::core {
@@ -8,32 +8,13 @@ namespace {
 
 float cube(float x) { return x * x * x; }
 
-class RoughDiffuse final : public Bsdf {
+class RoughDiffuse {
   public:
     explicit RoughDiffuse(const RoughDiffuseParameters& p)
         : reflectance_(p.reflectance, 0.5f), alpha_(p.alpha, 0.2f), fast_(p.fastApproximation) {}
 
-    std::optional<BsdfSample> sample(const SurfaceInteraction& si, const Vec3f& known, TransportMode mode,
-                                     float, const Vec2f& u) const override {
-        if (!(known.z > 0)) return std::nullopt;
-        return finishSmooth(si, known, warp::squareToCosineHemisphere(u), mode);
-    }
-
-    BsdfEvaluation evaluate(const SurfaceInteraction& si, const Vec3f& wEye,
-                            const Vec3f& wLight) const override {
-        if (!(wEye.z > 0 && wLight.z > 0)) return {};
-        const Rgb radiance = relativeRadiance(si, wEye, wLight);
-        return {radiance * (kInvPi * wLight.z), warp::cosineHemispherePdf(wLight),
-                warp::cosineHemispherePdf(wEye)};
-    }
-
-    Rgb albedo(const SurfaceInteraction& si) const override { return clampUnit(reflectance_(si)); }
-    bool hasSmoothLobe() const override { return true; }
-    bool hasDeltaLobe() const override { return false; }
-
-  private:
-    /// pi f: what a Lambertian surface of reflectance 1 has as 1.
-    Rgb relativeRadiance(const SurfaceInteraction& si, const Vec3f& a, const Vec3f& b) const {
+    Rgb albedo(const SurfaceInteraction& si) const { return clampUnit(reflectance_(si)); }
+    Rgb radiance(const SurfaceInteraction& si, const Vec3f& a, const Vec3f& b) const {
         const Rgb rho = albedo(si);
         const float sigma2 = 0.5f * sqr(std::max(alpha_(si), 0.0f));
         // The angle to the normal is larger of the one direction (theta1) than of the other (theta2).
@@ -52,6 +33,7 @@ class RoughDiffuse final : public Bsdf {
         return rho * std::max(direct, 0.0f) + rho * rho * twice;
     }
 
+  private:
     ColorParameter reflectance_;
     ScalarParameter alpha_;
     bool fast_;
@@ -60,7 +42,7 @@ class RoughDiffuse final : public Bsdf {
 }  // namespace
 
 BsdfPtr makeRoughDiffuse(const RoughDiffuseParameters& parameters) {
-    return std::make_shared<RoughDiffuse>(parameters);
+    return std::make_shared<CosineSampled<RoughDiffuse>>(RoughDiffuse(parameters));
 }
 
 }  // namespace metrolux::core

@@ -64,16 +64,14 @@ Run render(const Scene& scene, const Entrant& entrant, uint64_t seed, RenderLimi
         choice.integrator->prepare(scene, optionsFor(scene, entrant, seed), choice.parameters)(seed);
     run.setupSeconds = watch.seconds();
     if (limits.seconds > 0) limits.seconds = std::max(limits.seconds - run.setupSeconds, 1e-9);
-    Intersector::resetStatistics();
+    const RayStatistics before = Intersector::statistics();
     PassLoopHooks hooks;
     hooks.clock = [&] { return watch.seconds(); };
     hooks.interrupted = surroundings.interrupted;
     hooks.afterPass = [&](PassReport report) {
         watch.pauseFor([&] {
-            const RayStatistics rays = Intersector::statistics();
-            progress.update(report,
-                            static_cast<double>(rays.intersectRays + rays.shadowRays) / report.seconds,
-                            entrant.label);
+            const RayStatistics rays = Intersector::statistics() - before;
+            progress.update(report, static_cast<double>(rays.all()) / report.seconds, entrant.label);
             report.seconds += run.setupSeconds;
             measure(film, report);
         });

@@ -200,15 +200,15 @@ TEST_F(ApiSession, NoOutputReplacesWhatIsRead) {
     EXPECT_THAT(errorOf([&] { metrolux::merge({part}, files); }), HasSubstr("would replace"));
 }
 
-TEST_F(ApiSession, StreamsThatAreMergedAreOneRendering) {
-    options.streams.count = 4;
+TEST_F(ApiSession, SlicesThatAreMergedAreOneRendering) {
+    options.slices.count = 4;
     metrolux::Session whole(scene, options);
     whole.render(passes(8));
     std::vector<fs::path> parts;
     for (std::uint32_t half : {0u, 2u}) {
         metrolux::SessionOptions own = options;
-        own.streams.first = half;
-        own.streams.last = half + 1;
+        own.slices.first = half;
+        own.slices.last = half + 1;
         metrolux::Session session(scene, own);
         session.render(passes(8));
         parts.push_back(folder.path() / ("part" + std::to_string(half)));
@@ -230,7 +230,7 @@ TEST_F(ApiSession, ErrorsHaveTheCommandsText) {
     EXPECT_THAT(errorWith([](auto& o) { o.integrator = "mcmc_vmc"; }),
                 HasSubstr("unknown integrator 'mcmc_vmc', did you mean 'mcmc_vcm'?"));
     EXPECT_THAT(errorWith([](auto& o) { o.layers = {"color"}; }), HasSubstr("unknown AOV 'color'"));
-    EXPECT_THAT(errorWith([](auto& o) { o.streams.count = 0; }), HasSubstr("found 0 streams"));
+    EXPECT_THAT(errorWith([](auto& o) { o.slices.count = 0; }), HasSubstr("found 0 slices"));
 }
 
 TEST(ApiImage, ComparesAsTheCommand) {

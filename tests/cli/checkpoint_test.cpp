@@ -84,7 +84,7 @@ struct KillTest : CheckpointTest, testing::WithParamInterface<std::string> {
         std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
         command.signal(SIGKILL);
         command.wait();
-        return readCheckpoint(folder / "c", METROLUX_TEST_VERSION).streams.at(0).passes;
+        return readCheckpoint(folder / "c", METROLUX_TEST_VERSION).slices.at(0).passes;
     }
 };
 
@@ -136,13 +136,13 @@ TEST_F(CheckpointTest, EveryPassCanBeTheLast) {
 TEST_F(CheckpointTest, TheLastTwoAreKept) {
     makeCheckpoint();
     for (const auto& [file, passes] : {std::pair{"c", 4u}, {"c.1", 4u}})
-        EXPECT_LE(readCheckpoint(folder / file, METROLUX_TEST_VERSION).streams.at(0).passes, passes);
+        EXPECT_LE(readCheckpoint(folder / file, METROLUX_TEST_VERSION).slices.at(0).passes, passes);
     ASSERT_EQ(run(plainWords("path", 12)).status, 0);
     fs::remove(folder / "c");
     expectRefused({"resume", "c"}, "but there is 'c.1'");
     ASSERT_EQ(run({"resume", "c.1", "--passes", "12"}).status, 0);
     EXPECT_EQ(pixels("a.exr"), pixels("expected.exr"));
-    EXPECT_EQ(readCheckpoint(folder / "c", METROLUX_TEST_VERSION).streams.at(0).passes, 12u);
+    EXPECT_EQ(readCheckpoint(folder / "c", METROLUX_TEST_VERSION).slices.at(0).passes, 12u);
 }
 
 TEST_F(CheckpointTest, LimitsCountWhatWasRenderedBefore) {
@@ -156,8 +156,8 @@ TEST_F(CheckpointTest, LimitsCountWhatWasRenderedBefore) {
     // Nothing is left to do: the files are written again.
     fs::remove(folder / "b.exr");
     ASSERT_EQ(run({"resume", "c"}).status, 0);
-    EXPECT_EQ(readCheckpoint(folder / "c", METROLUX_TEST_VERSION).streams.at(0).passes,
-              after.streams.at(0).passes);
+    EXPECT_EQ(readCheckpoint(folder / "c", METROLUX_TEST_VERSION).slices.at(0).passes,
+              after.slices.at(0).passes);
     EXPECT_TRUE(fs::exists(folder / "b.exr"));
 }
 
@@ -309,7 +309,7 @@ TEST_F(CheckpointTest, AFullDiskLosesNothing) {
     ASSERT_EQ(run(plainWords("path", 6)).status, 0);
     EXPECT_EQ(pixels("a.exr"), pixels("expected.exr"));
     // The first one is whole.
-    EXPECT_EQ(readCheckpoint(folder / "disk/c", METROLUX_TEST_VERSION).streams.at(0).passes, 1u);
+    EXPECT_EQ(readCheckpoint(folder / "disk/c", METROLUX_TEST_VERSION).slices.at(0).passes, 1u);
     fs::copy_file(folder / "disk/c", folder / "disk-c");
     fs::remove(folder / "a.exr");
     EXPECT_EQ(run({"resume", "disk-c"}).status, 4);

@@ -42,8 +42,8 @@ class FailingIo : public CliTest, public testing::WithParamInterface<Kind> {
         require(run({"render", "scene.xml", "-i", "path", "--passes", "1", "--seed", "5", "-o", "a.exr"}));
         require(run({"render", "scene.xml", "-i", "path", "--passes", "1", "--seed", "6", "-o", "b.exr"}));
         for (const char* part : {"0", "1"})
-            require(run({"render", "scene.xml", "-i", "path", "--passes", "2", "--streams", "2",
-                         "--only-streams", part, "--checkpoint", std::string("part") + part}));
+            require(run({"render", "scene.xml", "-i", "path", "--passes", "2", "--slices", "2",
+                         "--only-slices", part, "--checkpoint", std::string("part") + part}));
         fs::create_directory(folder / "out");
         require(run(GetParam().words));
         for (const auto& entry : fs::recursive_directory_iterator(folder / "out"))

@@ -33,7 +33,7 @@ std::string nameOf(const Case& c) {
                                  "Projector", "Collimated", "Directional",       "Constant", "EnvironmentMap",
                                  "SunSky",    "Many",       "ManyAndEnvironment"};
     constexpr std::array kLenses{"", "ThinLens", "Orthographic"};
-    constexpr std::array kMaterials{"", "MixedLobes", "ShadingNormals"};
+    constexpr std::array kMaterials{"", "MixedLobes", "ShadingNormals", "Layered"};
     std::string name = kLights[static_cast<size_t>(c.lighting)];
     name += kLenses[static_cast<size_t>(c.lens)];
     name += kMaterials[static_cast<size_t>(c.materials)];
@@ -60,7 +60,8 @@ std::vector<Case> everyCombination() {
     std::vector<Case> cases;
     for (const Lighting l : {Lighting::Area, Lighting::Many, Lighting::ManyAndEnvironment})
         for (const Lens lens : {Lens::Pinhole, Lens::Thin, Lens::Orthographic})
-            for (const Materials m : {Materials::Plain, Materials::Mixed, Materials::Shading}) {
+            for (const Materials m :
+                 {Materials::Plain, Materials::Mixed, Materials::Shading, Materials::Layered}) {
                 if (l == Lighting::Area && lens == Lens::Pinhole && m == Materials::Plain) continue;
                 // In turn, so that each occurs with each kind of light, lens and material.
                 const auto turn = static_cast<int>(l) + static_cast<int>(lens) + static_cast<int>(m);
@@ -158,7 +159,7 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
     if (c.merging) {
         EXPECT_GT(paths.reducedShares(), 1000) << "the photons' density made no difference";
     }
-    if (c.materials == Materials::Mixed) {
+    if (c.materials == Materials::Mixed || c.materials == Materials::Layered) {
         EXPECT_GT(mixed, 1000) << "hardly a path follows a coat or a veil";
     }
 }

@@ -2,9 +2,13 @@
 
 #include "base/warp.h"
 #include "scattering/blend.h"
+#include "scattering/coating.h"
 #include "scattering/conductor.h"
+#include "scattering/diffuse_transmitter.h"
 #include "scattering/mask.h"
+#include "scattering/mixture.h"
 #include "scattering/plastic.h"
+#include "scattering/rough_diffuse.h"
 #include "scattering/textures/bitmap_texture.h"
 #include "support/small_scenes.h"
 
@@ -33,6 +37,24 @@ BsdfPtr plastic() {
 
 BsdfPtr blend(float weight, BsdfPtr first, BsdfPtr second) {
     return makeBlend({constant(Rgb(weight)), std::move(first), std::move(second)});
+}
+
+BsdfPtr roughDiffuse() {
+    RoughDiffuseParameters p;
+    p.reflectance = constant(Rgb(0.6f));
+    p.alpha = constant(Rgb(0.4f));
+    return makeRoughDiffuse(p);
+}
+
+/// Smooth without facets: a delta lobe above the base.
+BsdfPtr coated(BsdfPtr base, std::optional<MicrofacetDistribution> facets) {
+    CoatingParameters p;
+    p.eta = 1.8f;
+    p.thickness = 0.3f;
+    p.sigmaA = constant(Rgb(0.4f));
+    p.base = std::move(base);
+    p.facets = facets;
+    return makeCoating(p);
 }
 
 /// A rectangle whose shading normal leans toward `lean` by a quarter of a right angle or so.
@@ -68,24 +90,45 @@ BsdfPtr veil() {
     return makeMask(p);
 }
 
+struct Palette {
+    BsdfPtr floor = diffuse(0.7f), wall = roughMetal(), ball = glass(), smallBall = diffuse(0.5f);
+    BsdfPtr screen;  ///< upright in the room; none without
+};
+
+Palette paletteOf(Materials materials, const BsdfPtr& veil) {
+    Palette p;
+    if (materials == Materials::Mixed) {
+        p.floor = plastic();
+        p.wall = blend(0.4f, makeConductor({}), blend(0.5f, roughMetal(), diffuse(0.6f)));
+        p.ball = blend(0.3f, glass(), diffuse(0.8f));
+        p.screen = veil;
+    }
+    if (materials == Materials::Layered) {
+        p.floor = coated(diffuse(0.6f), {});
+        p.wall = coated(roughMetal(), MicrofacetDistribution(MicrofacetType::Ggx, 0.3f, 0.3f));
+        p.ball = makeMixture({{{0.6f, glass()}, {0.15f, diffuse(0.8f)}, {0.2f, roughDiffuse()}}});
+        p.smallBall = roughDiffuse();
+        p.screen = makeDiffuseTransmitter({constant(Rgb(0.7f))});
+    }
+    return p;
+}
+
 void addSurfaces(SceneBuilder& b, Materials materials, const BsdfPtr& veil) {
-    const bool mixed = materials == Materials::Mixed, shading = materials == Materials::Shading;
-    const BsdfPtr floor = mixed ? plastic() : diffuse(0.7f);
+    const bool shading = materials == Materials::Shading;
+    const Palette palette = paletteOf(materials, veil);
     if (shading)
-        b.add(leaning({0, 0, 0}, {0, 1, 0}, 4, 4, {1, 0, 0}), floor);
+        b.add(leaning({0, 0, 0}, {0, 1, 0}, 4, 4, {1, 0, 0}), palette.floor);
     else
-        b.add(rectangle({0, 0, 0}, {0, 1, 0}, 4, 4), floor);
-    b.add(rectangle({0, 2, -3}, {0, 0, 1}, 4, 3),
-          mixed ? blend(0.4f, makeConductor({}), blend(0.5f, roughMetal(), diffuse(0.6f))) : roughMetal());
-    b.add(makeSphere(Transform(), {0.3f, 1.2f, 0}, 0.6f, false),
-          mixed ? blend(0.3f, glass(), diffuse(0.8f)) : glass());
+        b.add(rectangle({0, 0, 0}, {0, 1, 0}, 4, 4), palette.floor);
+    b.add(rectangle({0, 2, -3}, {0, 0, 1}, 4, 3), palette.wall);
+    b.add(makeSphere(Transform(), {0.3f, 1.2f, 0}, 0.6f, false), palette.ball);
     // Water above a part of the floor: an odd number of refractions, so that wrong factors do not cancel.
     if (shading)
         b.add(leaning({3, 0.4f, 0}, {0, 1, 0}, 2, 4, {0, 0, 1}), glass());
     else
         b.add(rectangle({3, 0.4f, 0}, {0, 1, 0}, 2, 4), glass());
-    b.add(makeSphere(Transform(), {-1.2f, 0.6f, 0.5f}, 0.5f, false), diffuse(0.5f));
-    if (mixed) b.add(rectangle({-1.5f, 1.5f, 1.8f}, {0, 0, 1}, 0.8f, 1.2f), veil);
+    b.add(makeSphere(Transform(), {-1.2f, 0.6f, 0.5f}, 0.5f, false), palette.smallBall);
+    if (palette.screen) b.add(rectangle({-1.5f, 1.5f, 1.8f}, {0, 0, 1}, 0.8f, 1.2f), palette.screen);
 }
 
 Transform downward(const Vec3f& from) { return Transform::lookAt(from, {0.3f, 0, 0.3f}, {0, 0, 1}); }

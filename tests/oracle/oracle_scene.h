@@ -28,9 +28,10 @@ enum class Lighting {
 };
 enum class Lens { Pinhole, Thin, Orthographic };
 enum class Materials {
-    Plain,   ///< each either delta or not
-    Mixed,   ///< smooth coats, blends and masks: delta and other lobes at one point
-    Shading  ///< shading normals other than the geometric ones
+    Plain,    ///< each either delta or not
+    Mixed,    ///< smooth coats, blends and masks: delta and other lobes at one point
+    Shading,  ///< shading normals other than the geometric ones
+    Layered   ///< coatings, mixtures, rough diffuse, a diffuse transmitter
 };
 
 /// The camera, described once more: its densities are computed here from its parameters.

@@ -3,6 +3,7 @@
 
 #include "markov/chain.h"
 
+#include "support/chain_state.h"
 #include "support/goodness_of_fit.h"
 
 #include <gtest/gtest.h>
@@ -116,7 +117,7 @@ std::vector<double> endStates(const Target& t, Kind kind, int chains, int steps,
         Chain chain(Density{}, kind);
         const auto evaluate = evaluator(t.density, t.dimension);
         chain.state().u = exactStart ? exactSample(t, 4, rng) : PrimarySample(t.dimension, 0.25f);
-        chain.reevaluate(evaluate, rng);
+        test::evaluateState(chain, evaluate, rng);
         MarkovState<Point> proposal;
         for (int i = 0; i < steps; ++i) {
             const double a = chain.propose(evaluate, proposal, rng);
@@ -217,7 +218,7 @@ TEST(Chain, AcceptanceReachesTheGoalWhereItIsAttainable) {
             Chain chain(Density{}, Kind::Adaptive);
             const auto evaluate = evaluator(peak, dimension);
             chain.state().u.assign(dimension, 0.5f);
-            chain.reevaluate(evaluate, rng);
+            test::evaluateState(chain, evaluate, rng);
             MarkovState<Point> proposal;
             for (int i = 0; i < 40000; ++i)
                 chain.decide(chain.propose(evaluate, proposal, rng), proposal, rng);
@@ -239,7 +240,7 @@ TEST(Chain, ADeadStateTakesTheFirstLivingProposal) {
     Chain chain(Density{}, Kind::Adaptive);
     const auto evaluate = evaluator(half, 1);
     chain.state().u = {0.1f};
-    chain.reevaluate(evaluate, rng);
+    test::evaluateState(chain, evaluate, rng);
     MarkovState<Point> proposal;
     for (int i = 0; i < 100 && chain.state().value.density == 0; ++i) {
         const double a = chain.propose(evaluate, proposal, rng);
@@ -256,7 +257,7 @@ TEST(Chain, AcceptanceExchangesTheStatesWithTheirWeights) {
     const auto evaluate = evaluator(one, 1);
     chain.state().u = {0.25f};
     chain.state().weight = 3;
-    chain.reevaluate(evaluate, rng);
+    test::evaluateState(chain, evaluate, rng);
     MarkovState<Point> proposal;
     proposal.weight = 99;
     EXPECT_EQ(chain.propose(evaluate, proposal, rng), 1);
@@ -305,8 +306,8 @@ TEST(ReplicaExchange, LeavesEveryMarginalUnchangedAndTheReplicasIndependent) {
             while (contribution(v.state().u[0]) == 0);
             do c.state().u = {rng.next1D()};
             while (rng.nextDouble() * 3.05 >= contribution(c.state().u[0]));
-            v.reevaluate(evaluate, rng);
-            c.reevaluate(evaluate, rng);
+            test::evaluateState(v, evaluate, rng);
+            test::evaluateState(c, evaluate, rng);
             MarkovState<Point> proposal;
             exchanges += exchangeReplicas(v, c, rng);
             for (int m = 0; m < mutations; ++m) {

@@ -7,6 +7,7 @@
 
 #include "markov/chain.h"
 #include "markov/replica_mixture.h"
+#include "support/chain_state.h"
 #include "support/goodness_of_fit.h"
 
 #include <boost/math/distributions/students_t.hpp>
@@ -81,8 +82,8 @@ class Lane {
         while (!evaluateAt(v_.state().u[0], v_.state().u[1]).visible());
         do f_.state().u = {rng_.next1D(), rng_.next1D()};
         while (rng_.nextDouble() * largest >= evaluateAt(f_.state().u[0], f_.state().u[1]).size);
-        v_.reevaluate(evaluate, rng_);
-        f_.reevaluate(evaluate, rng_);
+        test::evaluateState(v_, evaluate, rng_);
+        test::evaluateState(f_, evaluate, rng_);
     }
 
     void run(int steps) {

@@ -4,6 +4,7 @@
 #include "base/state_archive.h"
 #include "markov/metropolis.h"
 #include "markov/replica_lanes.h"
+#include "support/chain_state.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -93,7 +94,7 @@ struct DrivenChain {
 TEST_P(Resume, MarkovChain) {
     expectResumes([] { return std::make_unique<DrivenChain>(GetParam()); },
                   [](DrivenChain& d, int, Trace& trace) {
-                      d.chain.reevaluate(evaluate, d.rng);
+                      test::evaluateState(d.chain, evaluate, d.rng);
                       MarkovState<Value> proposal;
                       for (int i = 0; i < 300; ++i) {
                           const bool large = i % 7 == 0;

@@ -20,10 +20,10 @@ using testing::HasSubstr;
 constexpr const char* kVersion = "1.2.3";
 constexpr FilmWindow kWindow{6, 4, 1, 1, 3, 2};
 
-nlohmann::json identityOf(uint32_t streams) {
+nlohmann::json identityOf(uint32_t slices) {
     return {{"scene", {{"name", "a.xml"}}},
             {"algorithm", {{"integrator", "path"}, {"seed", 7}}},
-            {"streams", streams}};
+            {kSliceCountKey, slices}};
 }
 
 Film makeFilm() { return Film(kWindow, ReconstructionFilter(ReconstructionFilter::Kind::Box, {})); }
@@ -34,7 +34,7 @@ std::string stateOf(const Film& film) {
     return writer.take();
 }
 
-/// Two passes of stream 1 of 4.
+/// Two passes of slice 1 of 4.
 Checkpoint good() {
     Film film = makeFilm();
     for (const float value : {1.0f, 3.0f}) {
@@ -53,7 +53,7 @@ Checkpoint good() {
     c.nonFinite = {1, 2, 3, 4, 5};
     c.window = kWindow;
     c.film = stateOf(film);
-    c.streams = {{1, 2, "state"}};
+    c.slices = {{1, 2, "state"}};
     return c;
 }
 
@@ -79,10 +79,10 @@ TEST(CheckpointFile, HoldsWhatWasWritten) {
     EXPECT_EQ(read.window.x, 1);
     EXPECT_EQ(read.window.width, 3);
     EXPECT_EQ(read.film, expected.film);
-    ASSERT_EQ(read.streams.size(), 1u);
-    EXPECT_EQ(read.streams[0].index, 1u);
-    EXPECT_EQ(read.streams[0].passes, 2u);
-    EXPECT_EQ(read.streams[0].integrator, "state");
+    ASSERT_EQ(read.slices.size(), 1u);
+    EXPECT_EQ(read.slices[0].index, 1u);
+    EXPECT_EQ(read.slices[0].passes, 2u);
+    EXPECT_EQ(read.slices[0].integrator, "state");
 }
 
 struct BadContent {
@@ -112,10 +112,10 @@ const std::vector<BadContent> kBadContents{
     {"NoIntegrator", inIdentity([](nlohmann::json& i) { i["algorithm"].erase("integrator"); }),
      "the integrator's name"},
     {"NoSeed", inIdentity([](nlohmann::json& i) { i["algorithm"].erase("seed"); }), "a seed"},
-    {"NoStreams", inIdentity([](nlohmann::json& i) { i["streams"] = 0; }), "a number of streams"},
-    {"NegativeStreams", inIdentity([](nlohmann::json& i) { i["streams"] = -1; }), "a number of streams"},
-    {"TooManyStreams", inIdentity([](nlohmann::json& i) { i["streams"] = kMostStreams + 1; }),
-     "a number of streams"},
+    {"NoSlices", inIdentity([](nlohmann::json& i) { i[kSliceCountKey] = 0; }), "a number of slices"},
+    {"NegativeSlices", inIdentity([](nlohmann::json& i) { i[kSliceCountKey] = -1; }), "a number of slices"},
+    {"TooManySlices", inIdentity([](nlohmann::json& i) { i[kSliceCountKey] = kMostSlices + 1; }),
+     "a number of slices"},
     {"WindowBeyondTheImage", [](Checkpoint& c) { c.window.x = 4; }, "a window inside of the image"},
     {"WindowFarAway", [](Checkpoint& c) { c.window.x = std::numeric_limits<int>::max(); },
      "a window inside of the image"},
@@ -165,7 +165,7 @@ TEST(Merge, SumsOfAnyBitsAreDefined) {
         }
     PartMerger merger;
     merger.add("a", part);
-    part.streams[0].index = 2;
+    part.slices[0].index = 2;
     merger.add("b", part);
     EXPECT_EQ(merger.film().passes(), 4u);
     EXPECT_EQ(merger.nonFinite(), (TechniqueCounts{2, 4, 6, 8, 10}));

@@ -1,4 +1,4 @@
-#include "render/streams.h"
+#include "render/slices.h"
 
 #include "fakes.h"
 
@@ -25,9 +25,9 @@ class CountingIntegrator final : public Resumable<CountingIntegrator> {
     std::vector<uint32_t>& passes_;
 };
 
-TEST(Streams, NumberTheirOwnPassesAndCountForAll) {
+TEST(Slices, NumberTheirOwnPassesAndCountForAll) {
     std::vector<uint32_t> passes;
-    StreamedIntegrator integrator([&](uint32_t) { return std::make_unique<CountingIntegrator>(passes); },
+    SlicedIntegrator integrator([&](uint32_t) { return std::make_unique<CountingIntegrator>(passes); },
                                   {3, 0, 2});
     integrator.setTotalPasses(7);
     Film film({2, 2, 0, 0, 2, 2}, ReconstructionFilter(ReconstructionFilter::Kind::Box, {}));

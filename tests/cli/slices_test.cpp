@@ -18,15 +18,15 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-class StreamsTest : public CliTest {
+class SlicesTest : public CliTest {
   protected:
-    /// 22 passes in 8 streams: some have one more than others.
+    /// 22 passes in 8 slices: some have one more than others.
     static Words words(const std::string& integrator) {
         return {"render",   "scene.xml", "-i",        integrator, "--resolution", "24x18",
-                "--passes", "22",        "--streams", "8",        "--seed",       "3"};
+                "--passes", "22",        "--slices", "8",        "--seed",       "3"};
     }
-    Outcome part(const std::string& integrator, const std::string& streams, const std::string& name) const {
-        return run(words(integrator) + Words{"--only-streams", streams, "--checkpoint", name});
+    Outcome part(const std::string& integrator, const std::string& slices, const std::string& name) const {
+        return run(words(integrator) + Words{"--only-slices", slices, "--checkpoint", name});
     }
     static bool haveMpi() { return METROLUX_TEST_MPI && std::system("command -v mpirun > /dev/null") == 0; }
     static Words mpirun(int ranks) {
@@ -43,15 +43,15 @@ class StreamsTest : public CliTest {
     }
 };
 
-TEST_F(StreamsTest, FourPartsEqualTheWhole) {
+TEST_F(SlicesTest, FourPartsEqualTheWhole) {
     for (const char* integrator : {"path", "vcm", "mcmc_vcm", "pssmlt"}) {
         ASSERT_EQ(run(words(integrator) + Words{"-o", "whole.exr", "--aov", "variance"}).status, 0);
         Words merge{"merge"};
         // In any order.
-        for (const char* streams : {"6-7", "0-2", "5", "3-4"}) {
-            const Outcome outcome = part(integrator, streams, std::string("part") + streams);
+        for (const char* slices : {"6-7", "0-2", "5", "3-4"}) {
+            const Outcome outcome = part(integrator, slices, std::string("part") + slices);
             ASSERT_EQ(outcome.status, 0) << outcome.err;
-            merge.push_back(std::string("part") + streams);
+            merge.push_back(std::string("part") + slices);
         }
         const Outcome outcome =
             run(merge + Words{"-o", "merged.exr", "--aov", "variance", "--stats", "a.json"});
@@ -62,31 +62,46 @@ TEST_F(StreamsTest, FourPartsEqualTheWhole) {
             << integrator;
         const nlohmann::json s = nlohmann::json::parse(std::ifstream(folder / "a.json"));
         EXPECT_EQ(s["passes"], 22);
-        EXPECT_EQ(s["passes_of_streams"]["5"], 3);
-        EXPECT_EQ(s["passes_of_streams"]["6"], 2);
-        EXPECT_TRUE(s["missing_streams"].empty());
+        EXPECT_EQ(s["passes_of_slices"]["5"], 3);
+        EXPECT_EQ(s["passes_of_slices"]["6"], 2);
+        EXPECT_TRUE(s["missing_slices"].empty());
     }
 }
 
-TEST_F(StreamsTest, StreamsAreAnotherImageThanOneStreamAndThanEachOther) {
+TEST_F(SlicesTest, TheNamesOfTheOptionsBefore0_3StillWork) {
+    const auto render = [&](const char* slices, const char* only, const char* name) {
+        return run({"render", "scene.xml", "-i", "path", "--passes", "4", slices, "2", only, "1", "--checkpoint",
+                    name});
+    };
+    ASSERT_EQ(render("--slices", "--only-slices", "new").status, 0);
+    const Outcome old = render("--streams", "--only-streams", "old");
+    ASSERT_EQ(old.status, 0) << old.err;
+    for (const char* name : {"new", "old"})
+        ASSERT_EQ(run({"merge", name, "-o", std::string(name) + ".exr"}).status, 0);
+    EXPECT_EQ(pixels("old.exr"), pixels("new.exr"));
+    EXPECT_EQ(render("--streams", "--only-slices", "mixed").status, 0);
+    EXPECT_EQ(run({"render", "scene.xml", "--slices", "2", "--streams", "2"}).status, 2);
+}
+
+TEST_F(SlicesTest, SlicesAreAnotherImageThanOneSliceAndThanEachOther) {
     ASSERT_EQ(run(words("path") + Words{"-o", "eight.exr"}).status, 0);
     ASSERT_EQ(run({"render", "scene.xml", "-i", "path", "--resolution", "24x18", "--passes", "22", "--seed",
                    "3", "-o", "one.exr"})
                   .status,
               0);
     EXPECT_NE(pixels("eight.exr"), pixels("one.exr"));
-    for (const char* stream : {"6", "7"}) {
-        ASSERT_EQ(part("path", stream, std::string("p") + stream).status, 0);
-        ASSERT_EQ(run({"merge", std::string("p") + stream, "-o", std::string(stream) + ".exr"}).status, 0);
+    for (const char* slice : {"6", "7"}) {
+        ASSERT_EQ(part("path", slice, std::string("p") + slice).status, 0);
+        ASSERT_EQ(run({"merge", std::string("p") + slice, "-o", std::string(slice) + ".exr"}).status, 0);
     }
     EXPECT_NE(pixels("6.exr"), pixels("7.exr"));
 }
 
-TEST_F(StreamsTest, PartsThatDoNotBelongTogetherAreRefused) {
+TEST_F(SlicesTest, PartsThatDoNotBelongTogetherAreRefused) {
     ASSERT_EQ(part("path", "0-3", "a").status, 0);
     ASSERT_EQ(part("path", "3-7", "overlapping").status, 0);
     ASSERT_EQ(part("vcm", "4-7", "integrator").status, 0);
-    ASSERT_EQ(run(words("path") + Words{"--only-streams", "4-7", "--checkpoint", "depth", "--max-depth", "3"})
+    ASSERT_EQ(run(words("path") + Words{"--only-slices", "4-7", "--checkpoint", "depth", "--max-depth", "3"})
                   .status,
               0);
     std::string scene = kTinyScene;
@@ -94,8 +109,8 @@ TEST_F(StreamsTest, PartsThatDoNotBelongTogetherAreRefused) {
     write("scene.xml", scene);
     ASSERT_EQ(part("path", "4-7", "scene").status, 0);
     const std::vector<std::pair<std::string, std::string>> cases{
-        {"a", "stream 0 is in 'a' and in 'a'"},
-        {"overlapping", "stream 3 is in 'a' and in 'overlapping'"},
+        {"a", "slice 0 is in 'a' and in 'a'"},
+        {"overlapping", "slice 3 is in 'a' and in 'overlapping'"},
         {"integrator", "algorithm/integrator: found \"vcm\", expected \"path\""},
         {"depth", "algorithm/max_depth: found 3, expected 8"},
         {"scene", "scene/files/scene.xml"},
@@ -107,18 +122,18 @@ TEST_F(StreamsTest, PartsThatDoNotBelongTogetherAreRefused) {
     }
     const Outcome missing = run({"merge", "a", "-o", "merged.exr"});
     EXPECT_EQ(missing.status, 0);
-    EXPECT_THAT(missing.err, HasSubstr("4 of 8 streams are missing: 4, 5, 6, 7"));
+    EXPECT_THAT(missing.err, HasSubstr("4 of 8 slices are missing: 4, 5, 6, 7"));
     EXPECT_EQ(run({"merge", "a"}).status, 2) << "no image is named";
 }
 
-TEST_F(StreamsTest, OptionsThatCannotBeAreRefused) {
+TEST_F(SlicesTest, OptionsThatCannotBeAreRefused) {
     const std::vector<std::pair<Words, std::string>> cases{
-        {{"--only-streams", "0-3", "--checkpoint", "c"}, "--streams S"},
-        {{"--streams", "8", "--only-streams", "0-3"}, "--checkpoint FILE"},
-        {{"--streams", "8", "--only-streams", "0-8", "--checkpoint", "c"}, "expected 0 to 7"},
-        {{"--streams", "8", "--only-streams", "3-1", "--checkpoint", "c"}, "'3-1' is not a range"},
-        {{"--streams", "8", "--only-streams", "3", "--checkpoint", "c", "--error", "0.1"}, "--error"},
-        {{"--streams", "8", "--only-streams", "7", "--checkpoint", "c", "--passes", "7"}, "found 7 passes"},
+        {{"--only-slices", "0-3", "--checkpoint", "c"}, "--slices S"},
+        {{"--slices", "8", "--only-slices", "0-3"}, "--checkpoint FILE"},
+        {{"--slices", "8", "--only-slices", "0-8", "--checkpoint", "c"}, "expected 0 to 7"},
+        {{"--slices", "8", "--only-slices", "3-1", "--checkpoint", "c"}, "'3-1' is not a range"},
+        {{"--slices", "8", "--only-slices", "3", "--checkpoint", "c", "--error", "0.1"}, "--error"},
+        {{"--slices", "8", "--only-slices", "7", "--checkpoint", "c", "--passes", "7"}, "found 7 passes"},
     };
     for (const auto& [options, message] : cases) {
         const Outcome outcome = run(Words{"render", "scene.xml"} + options);
@@ -127,7 +142,7 @@ TEST_F(StreamsTest, OptionsThatCannotBeAreRefused) {
     }
 }
 
-TEST_F(StreamsTest, StreamsAreResumedAndTakeTurnsUnderATimeLimit) {
+TEST_F(SlicesTest, SlicesAreResumedAndTakeTurnsUnderATimeLimit) {
     ASSERT_EQ(run(words("mcmc_vcm") + Words{"-o", "whole.exr"}).status, 0);
     Words shorter = words("mcmc_vcm");
     std::replace(shorter.begin(), shorter.end(), std::string("22"), std::string("13"));
@@ -135,17 +150,17 @@ TEST_F(StreamsTest, StreamsAreResumedAndTakeTurnsUnderATimeLimit) {
     ASSERT_EQ(run({"resume", "c", "--passes", "22"}).status, 0);
     EXPECT_EQ(pixels("a.exr"), pixels("whole.exr"));
 
-    ASSERT_EQ(run({"render", "scene.xml", "-i", "path", "--streams", "3", "--time", "0.7s", "-o", "b.exr",
+    ASSERT_EQ(run({"render", "scene.xml", "-i", "path", "--slices", "3", "--time", "0.7s", "-o", "b.exr",
                    "--stats", "b.json"})
                   .status,
               0);
     const nlohmann::json passes =
-        nlohmann::json::parse(std::ifstream(folder / "b.json"))["integrator_statistics"]["passes_of_streams"];
+        nlohmann::json::parse(std::ifstream(folder / "b.json"))["integrator_statistics"]["passes_of_slices"];
     ASSERT_EQ(passes.size(), 3u);
-    for (const char* stream : {"1", "2"}) EXPECT_NEAR(passes[stream].get<int>(), passes["0"].get<int>(), 8);
+    for (const char* slice : {"1", "2"}) EXPECT_NEAR(passes[slice].get<int>(), passes["0"].get<int>(), 8);
 }
 
-TEST_F(StreamsTest, RanksOfMpiMakeTheSameImage) {
+TEST_F(SlicesTest, RanksOfMpiMakeTheSameImage) {
     if (!haveMpi()) GTEST_SKIP() << "built without MPI, or mpirun is not there";
     for (const char* integrator : {"path", "vcm", "mcmc_vcm"}) {
         ASSERT_EQ(run(words(integrator) + Words{"-o", "one.exr"}).status, 0);
@@ -159,10 +174,10 @@ TEST_F(StreamsTest, RanksOfMpiMakeTheSameImage) {
     }
 }
 
-TEST_F(StreamsTest, ARankThatDiesEndsTheJobAndAnotherNumberOfRanksGoesOn) {
+TEST_F(SlicesTest, ARankThatDiesEndsTheJobAndAnotherNumberOfRanksGoesOn) {
     if (!haveMpi()) GTEST_SKIP() << "built without MPI, or mpirun is not there";
     const Words longer{"render",   "scene.xml", "-i",        "mcmc_vcm", "--resolution", "24x18",
-                       "--passes", "600",       "--streams", "8",        "--threads",    "1"};
+                       "--passes", "600",       "--slices", "8",        "--threads",    "1"};
     ASSERT_EQ(run(longer + Words{"-o", "whole.exr"}).status, 0);
     const Words saving{"-o", "a.exr", "--checkpoint", "c", "--checkpoint-every", "0.05s"};
     Command job(folder, longer + saving, mpirun(3));
@@ -182,7 +197,7 @@ TEST_F(StreamsTest, ARankThatDiesEndsTheJobAndAnotherNumberOfRanksGoesOn) {
     EXPECT_EQ(pixels("a.exr"), pixels("whole.exr"));
 }
 
-TEST_F(StreamsTest, AProgramWithoutMpiSaysSoUnderALauncher) {
+TEST_F(SlicesTest, AProgramWithoutMpiSaysSoUnderALauncher) {
     if (METROLUX_TEST_MPI) GTEST_SKIP() << "built with MPI; -DMETROLUX_MPI=OFF builds without";
     for (const char* variable : {"OMPI_COMM_WORLD_SIZE=2", "PMI_SIZE=2"}) {
         const Outcome outcome =
@@ -191,15 +206,15 @@ TEST_F(StreamsTest, AProgramWithoutMpiSaysSoUnderALauncher) {
         EXPECT_THAT(outcome.err, HasSubstr("one of 2 processes of MPI, but this program was built without"));
         EXPECT_FALSE(fs::exists(folder / "a.exr"));
     }
-    // Streams of one process need none.
+    // Slices of one process need none.
     EXPECT_EQ(run(words("path") + Words{"-o", "a.exr"}).status, 0);
 }
 
-TEST_F(StreamsTest, RanksNeedStreams) {
+TEST_F(SlicesTest, RanksNeedSlices) {
     if (!haveMpi()) GTEST_SKIP() << "built without MPI, or mpirun is not there";
     const Outcome outcome = runRanks(2, {"render", "scene.xml", "--passes", "4"});
     EXPECT_EQ(outcome.status, 2) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("give --streams S"));
+    EXPECT_THAT(outcome.err, HasSubstr("give --slices S"));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ demo: setup setup-page  ## installs the packages, builds, renders tiles under wa
 	cmake --build --preset release --target metrolux_command
 	$(BUILD)/metrolux render scenes/water-sds/scene.xml --time 60s -o demo.exr -o demo.png
 
-test: build setup-browser  ## builds and runs all tests; says which were skipped and why
+test: setup-python build setup-browser  ## builds and runs all tests; says which were skipped and why
 	tools/run_tests.sh release -j 2
 
 quick: setup  ## builds and runs the unit, oracle and repository tests: under three minutes once built
@@ -37,6 +37,18 @@ setup-page:
 setup-browser:
 	@command -v chromium >/dev/null || $(call install,chromium) || \
 	  echo "without chromium: the test of the page of metrolux study is skipped"
+
+# For the Python package, which is built where they are.
+PYTHON_PACKAGES := $(shell cat python/packages.txt)
+setup-python:
+	@dpkg-query -W -f='$${Status}\n' $(PYTHON_PACKAGES) 2>/dev/null | grep -c '^install ok installed$$' | \
+	  grep -qx $(words $(PYTHON_PACKAGES)) || $(call install,$(PYTHON_PACKAGES)) || \
+	  echo "without $(PYTHON_PACKAGES): the Python package is not built, and its tests are skipped"
+
+python: setup setup-python  ## the Python package, into the active virtual environment, or else for all Pythons of the system
+	cmake --preset release -DMETROLUX_PYTHON=ON
+	cmake --build --preset release --target python_package
+	tools/install_python.sh $(BUILD)
 
 PREFIX := /usr/local
 install: setup  ## the command, libmetrolux.so, its headers and CMake package, below PREFIX=/usr/local

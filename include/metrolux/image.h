@@ -35,19 +35,21 @@ struct Image {
 
 /// How linear values become those of a display: curve(2^exposure * value).
 struct Display {
-    double exposure = 0;         ///< stops
-    std::string curve = "srgb";  ///< srgb clips, filmic rolls off highlights
+    double exposure = 0;  ///< stops
+    /// srgb clips, filmic rolls off highlights. For encodePng() and writeImage() also none: values from 0 to
+    /// 1 are display values, as those of heatMap(), and the exposure has no effect.
+    std::string curve = "srgb";
 };
 
 /// EXR, HDR, PNG, JPEG, BMP, TGA, TIFF, PFM or PPM; integer pixels become linear. Throws Error.
 METROLUX_API Image readImage(const std::filesystem::path& file);
-/// .exr (32-bit linear) or .png (through `display`), of an image with 3 channels. The file is replaced as a
-/// whole or not at all. Throws Error.
+/// .exr (32-bit linear) or .png (through `display`), of an image with 3 channels or of gray with 1. The file
+/// is replaced as a whole or not at all. Throws Error.
 METROLUX_API void writeImage(const std::filesystem::path& file, const ImageView& image,
                              const Display& display = {});
-/// The bytes of a .png of an image with 3 channels. Throws Error for an unknown curve.
+/// The bytes of a .png of an image with 3 channels, or 1. Throws Error for an unknown curve.
 METROLUX_API std::string encodePng(const ImageView& image, const Display& display = {});
-/// Bytes of a display, 3 a pixel, of an image with 3 channels. Throws Error for an unknown curve.
+/// Bytes of a display, 3 a pixel, of an image with 3 channels, or 1. Throws Error for an unknown curve.
 METROLUX_API std::vector<std::uint8_t> displayImage(const ImageView& image, const Display& display = {});
 
 /// How far image a is from reference b. Means are over pixels and color channels; pixels that are not finite

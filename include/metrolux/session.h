@@ -110,6 +110,12 @@ struct Outcome {
     std::string checkpointFailure;               ///< empty: the last checkpoint is there, or none was wanted
 };
 
+/// What a session leaves: pixels that are nobody else's.
+struct Picture {
+    Image image;                          ///< (height, width, 3), linear Rec.709
+    std::map<std::string, Image> layers;  ///< that SessionOptions::layers names, (height, width, 3 or 1)
+};
+
 /// A rendering in progress. It owns its scene. Views of pixels stay where they are as long as the session
 /// lives; what they show is that of the call, until the next pass.
 class METROLUX_API Session {
@@ -139,6 +145,8 @@ class METROLUX_API Session {
     ImageView variance();
     /// (height, width, 3 or 1) of one that SessionOptions::layers names. Throws Error for another.
     ImageView layer(const std::string& name);
+    /// Ends the session and hands over its buffers; nothing is copied, and no view of them remains.
+    Picture finish() &&;
     /// JSON.
     std::string statistics() const;
     const Scene& scene() const;

@@ -16,9 +16,19 @@ Image imageOf(core::ImageData data) {
     return {std::move(data.pixels), data.height, data.width, data.channels};
 }
 
-void requireColor(const ImageView& image) {
-    if (image.channels != 3) throw core::Error("found an image of {} channels, expected 3", image.channels);
+/// Three channels; gray has three that are equal.
+core::ImageData colorOf(const ImageView& image) {
+    if (image.channels == 3) return dataOf(image);
+    if (image.channels != 1)
+        throw core::Error("found an image of {} channels, expected 3 or 1", image.channels);
+    const core::ImageData gray = dataOf(image);
+    core::ImageData color{gray.width, gray.height, 3, {}};
+    color.pixels.reserve(3 * gray.pixels.size());
+    for (const float value : gray.pixels) color.pixels.insert(color.pixels.end(), 3, value);
+    return color;
 }
+
+bool isRaw(const Display& display) { return display.curve == "none"; }
 
 }  // namespace
 
@@ -31,22 +41,23 @@ core::OutputSet::Display core::api::displayOf(const Display& display) {
 Image readImage(const std::filesystem::path& file) { return imageOf(core::readImage(file, false)); }
 
 void writeImage(const std::filesystem::path& file, const ImageView& image, const Display& display) {
-    requireColor(image);
-    const core::OutputSet output({file}, core::api::displayOf(display), true);
     const core::Metadata metadata{{"Software", std::string("Metrolux ") + version()}};
-    for (const std::string& failure : output.write({dataOf(image), {}, metadata})) throw core::Error(failure);
+    if (isRaw(display) && file.extension() == ".png")
+        return core::writePngRaw(file, colorOf(image), metadata);
+    const core::OutputSet output({file}, core::api::displayOf(display), true);
+    for (const std::string& failure : output.write({colorOf(image), {}, metadata}))
+        throw core::Error(failure);
 }
 
 std::string encodePng(const ImageView& image, const Display& display) {
-    requireColor(image);
+    if (isRaw(display)) return core::encodePngRaw(colorOf(image));
     const core::OutputSet::Display d = core::api::displayOf(display);
-    return core::encodePng(dataOf(image), d.exposure, d.curve);
+    return core::encodePng(colorOf(image), d.exposure, d.curve);
 }
 
 std::vector<std::uint8_t> displayImage(const ImageView& image, const Display& display) {
-    requireColor(image);
     const core::OutputSet::Display d = core::api::displayOf(display);
-    return core::displayBytes(dataOf(image), d.exposure, d.curve);
+    return core::displayBytes(colorOf(image), d.exposure, d.curve);
 }
 
 Difference compare(const ImageView& a, const ImageView& b, double epsilon) {

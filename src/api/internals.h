@@ -18,6 +18,9 @@ struct Scene::Impl {
     std::shared_ptr<const core::Scene> scene;
     core::SensorSource sensor;
     core::LoadOptions film;  ///< what has been changed of the sensor's film
+    PathChange paths;        ///< what has been changed of the integrator's limits
+    std::shared_ptr<const core::mitsuba::ParsedScene> tree;  ///< what it was made from
+    core::mitsuba::ElementPtr treeSensor;                    ///< of it, which `sensor` may stand for
     std::vector<std::filesystem::path> files;
     std::vector<std::string> warnings;
     nlohmann::json identity;  ///< of the scene, but for the contents of `files`

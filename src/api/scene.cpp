@@ -1,6 +1,7 @@
 #include "api/internals.h"
 #include "api/log.h"
 #include "api/object_tree.h"
+#include "api/scene_tree.h"
 
 namespace metrolux {
 namespace {
@@ -13,6 +14,18 @@ void apply(const FilmChange& change, core::LoadOptions& film) {
     if (change.resolution) film.setResolution(change.resolution->width, change.resolution->height);
     if (change.crop) film.setCrop(change.crop->x, change.crop->y, change.crop->width, change.crop->height);
     if (change.filter) film.filter = *change.filter;
+}
+
+void apply(const PathChange& change, core::PathLimits& limits) {
+    if (change.maxDepth) limits.maxDepth = *change.maxDepth;
+    if (change.rouletteDepth) limits.rouletteDepth = *change.rouletteDepth;
+    if (change.hideEmitters) limits.hideEmitters = *change.hideEmitters;
+}
+
+void apply(const PathChange& change, PathChange& before) {
+    if (change.maxDepth) before.maxDepth = change.maxDepth;
+    if (change.rouletteDepth) before.rouletteDepth = change.rouletteDepth;
+    if (change.hideEmitters) before.hideEmitters = change.hideEmitters;
 }
 
 }  // namespace
@@ -46,21 +59,17 @@ nlohmann::json identityOf(const std::string& name, const LoadOptions& options) {
     return identity;
 }
 
-/// Builds what `load` reads, with all its threads.
+/// Makes a scene of what `load` reads into `impl`, with so many threads.
 template <class Load>
-Scene build(const LoadOptions& options, nlohmann::json identity, const Load& load) {
-    core::ThreadLimit limit(options.threads);
+Scene build(Scene::Impl impl, int threads, const Load& load) {
+    core::ThreadLimit limit(threads);
     return limit.execute([&] {
-        Scene::Impl impl;
-        const core::LoadOptions o = core::api::coreOptions(options);
-        core::SceneParts parts = load(o, impl);
-        core::api::settle(parts, o);
-        impl.film = o;
-        impl.film.defines.clear();
+        core::SceneParts parts = load(impl);
+        core::api::settle(parts, impl.film);
         impl.warnings = parts.warnings;
         for (const std::string& warning : impl.warnings) core::api::log(LogLevel::Warning, warning);
         impl.scene = std::make_shared<const core::Scene>(std::move(parts));
-        impl.identity = std::move(identity);
+        impl.treeSensor = impl.sensor.element;
         return Internals::wrap(std::move(impl));
     });
 }
@@ -75,6 +84,13 @@ const Property* filmOf(const Element& sensor) {
     for (const Property& property : sensor.children)
         if (isFilm(property)) return &property;
     return nullptr;
+}
+
+void forgetFilmChanges(Scene::Impl& impl) {
+    impl.film.width = impl.film.height = 0;
+    impl.film.hasCrop = false;
+    impl.film.filter.clear();
+    impl.identity["filter"] = "";
 }
 
 /// The scene of `from` seen as `impl` says by now.
@@ -94,30 +110,61 @@ Scene viewed(const core::Scene& from, Scene::Impl impl) {
 }  // namespace
 
 Scene Scene::load(const std::filesystem::path& file, const LoadOptions& options) {
-    return build(options, identityOf(file.filename().string(), options),
-                 [&](const core::LoadOptions& o, Impl& impl) {
-                     return core::loadScene(file, o, &impl.files, &impl.sensor);
-                 });
+    Impl impl;
+    impl.film = core::api::coreOptions(options);
+    impl.identity = identityOf(file.filename().string(), options);
+    return build(std::move(impl), options.threads, [&](Impl& scene) {
+        core::mitsuba::ParsedScene tree;
+        core::SceneParts parts = core::loadScene(file, scene.film, &scene.files, &scene.sensor, &tree);
+        scene.tree = std::make_shared<const core::mitsuba::ParsedScene>(std::move(tree));
+        scene.film.defines.clear();
+        return parts;
+    });
 }
 
 Scene Scene::make(const Object& scene, const LoadOptions& options, const std::filesystem::path& folder) {
     if (!options.defines.empty()) throw core::Error("a scene that is made in code has nothing to define");
-    core::mitsuba::ParsedScene parsed = core::api::parsedScene(scene, folder);
-    nlohmann::json identity = identityOf("scene", options);
-    identity["content"] = core::api::fingerprintOf(*parsed.root);
-    return build(options, std::move(identity), [&](const core::LoadOptions& o, Impl& impl) {
-        return core::buildScene(std::move(parsed), o, &impl.files, &impl.sensor);
+    Impl impl;
+    impl.film = core::api::coreOptions(options);
+    impl.tree = std::make_shared<const core::mitsuba::ParsedScene>(core::api::parsedScene(scene, folder));
+    impl.identity = identityOf("scene", options);
+    impl.identity["content"] = core::api::fingerprintOf(*impl.tree->root);
+    return build(std::move(impl), options.threads, [](Impl& made) {
+        return core::buildScene(*made.tree, made.film, &made.files, &made.sensor);
     });
+}
+
+Scene Scene::with(const Object::Values& changes) const {
+    core::api::SceneTree tree(*impl_->tree, impl_->treeSensor, impl_->sensor.element);
+    for (const auto& [path, value] : changes) tree.set(path, value);
+    core::mitsuba::ParsedScene changed = tree.finish();
+    Impl impl = *impl_;
+    if (tree.filmChanged()) forgetFilmChanges(impl);
+    if (tree.onlySensorChanged()) {
+        impl.sensor.element = tree.sensor();
+        impl.identity["camera"] = core::api::fingerprintOf(*tree.sensor());
+        return viewed(*impl_->scene, std::move(impl));
+    }
+    impl.identity["content"] = core::api::fingerprintOf(*changed.root);
+    impl.identity.erase("camera");
+    impl.tree = std::make_shared<const core::mitsuba::ParsedScene>(std::move(changed));
+    return build(std::move(impl), 0, [&](Impl& scene) {
+        core::SceneParts parts = core::buildScene(*scene.tree, scene.film, &scene.files, &scene.sensor);
+        parts.source = source();
+        apply(scene.paths, parts.limits);
+        return parts;
+    });
+}
+
+Object::Values Scene::values() const {
+    return core::api::valuesOf(*impl_->tree->root, impl_->treeSensor.get(), *impl_->sensor.element);
 }
 
 Scene Scene::withCamera(const Object& sensor) const {
     const std::shared_ptr<Element> element = core::api::parsedSensor(sensor);
     Impl impl = *impl_;
     if (filmOf(*element)) {
-        impl.film.width = impl.film.height = 0;
-        impl.film.hasCrop = false;
-        impl.film.filter.clear();
-        impl.identity["filter"] = "";
+        forgetFilmChanges(impl);
     } else if (const Property* film = filmOf(*impl.sensor.element)) {
         element->children.push_back(*film);
     }
@@ -148,9 +195,8 @@ Scene Scene::withPaths(const PathChange& change) const {
     Impl impl = *impl_;
     const core::SceneParts& parts = impl_->scene->parts();
     core::SceneView view{parts.camera, parts.limits, parts.filterKind, parts.filter};
-    if (change.maxDepth) view.limits.maxDepth = *change.maxDepth;
-    if (change.rouletteDepth) view.limits.rouletteDepth = *change.rouletteDepth;
-    if (change.hideEmitters) view.limits.hideEmitters = *change.hideEmitters;
+    apply(change, impl.paths);
+    apply(change, view.limits);
     if (view.limits.maxDepth < -1)
         throw core::Error("the largest depth is {}, expected -1 or more", view.limits.maxDepth);
     if (view.limits.rouletteDepth < 1)

@@ -183,6 +183,26 @@ ImageView Session::layer(const std::string& name) {
     return {layer->pixels.data(), film.height(), film.width(), static_cast<int>(layer->channels.size())};
 }
 
+Picture Session::finish() && {
+    const std::unique_ptr<Impl> impl = std::move(impl_);
+    const core::Film& film = impl->session->film();
+    const int height = film.height(), width = film.width();
+    Picture picture{{std::move(impl->image), height, width, 3}, {}};
+    picture.image.pixels.resize(3 * static_cast<size_t>(film.pixelCount()));
+    film.image(picture.image.pixels);
+    for (core::ImageLayer& layer : impl->workers.execute([&] { return impl->session->takeCameraLayers(); }))
+        picture.layers[layer.name] = {std::move(layer.pixels), height, width,
+                                      static_cast<int>(layer.channels.size())};
+    const std::vector<std::string>& names = impl->options.layers;
+    if (std::find(names.begin(), names.end(), "variance") != names.end()) {
+        Image& variance = picture.layers["variance"];
+        variance = {std::move(impl->variance), height, width, 1};
+        variance.pixels.resize(static_cast<size_t>(film.pixelCount()));
+        film.variance(variance.pixels);
+    }
+    return picture;
+}
+
 std::string Session::statistics() const {
     return impl_->workers.execute([this] { return impl_->session->statistics().dump(2); });
 }

@@ -235,9 +235,10 @@ void LoadOptions::setCrop(int x, int y, int newWidth, int newHeight) {
 }
 
 SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,
-                     std::vector<std::filesystem::path>* files, SensorSource* sensor) {
+                     std::vector<std::filesystem::path>* files, SensorSource* sensor, ParsedScene* tree) {
     MemoryBudget memory = memoryFor(options);
     ParsedScene parsed = parseScene(file, options.defines, options.lenient, &memory);
+    if (tree) *tree = parsed;
     if (files) files->assign(1, file);
     return build(std::move(parsed), options, memory, file.string(), files, sensor);
 }

@@ -38,9 +38,10 @@ void refuseWarnings(const SceneParts& parts);
 
 /// Reads a Mitsuba XML scene. Throws Error. `files`, if given, receives the names of all files that were
 /// read, the scene's first.
-/// `sensor`, if given, the one that the camera was made from.
+/// `sensor`, if given, the one that the camera was made from; `tree` the scene as it was parsed.
 SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,
-                     std::vector<std::filesystem::path>* files = nullptr, SensorSource* sensor = nullptr);
+                     std::vector<std::filesystem::path>* files = nullptr, SensorSource* sensor = nullptr,
+                     mitsuba::ParsedScene* tree = nullptr);
 /// The same of a scene that is parsed already; `files` are those besides it.
 SceneParts buildScene(mitsuba::ParsedScene parsed, const LoadOptions& options,
                       std::vector<std::filesystem::path>* files = nullptr, SensorSource* sensor = nullptr);

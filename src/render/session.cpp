@@ -110,6 +110,13 @@ const std::vector<ImageLayer>& RenderSession::cameraLayers() {
     return *cameraLayers_;
 }
 
+std::vector<ImageLayer> RenderSession::takeCameraLayers() {
+    cameraLayers();
+    std::vector<ImageLayer> result = *std::move(cameraLayers_);
+    cameraLayers_.reset();
+    return result;
+}
+
 RenderSession::Run RenderSession::begin(const RunOptions& options, const RunHooks& hooks) {
     const bool writes = options_.rank == 0;
     Run run{options,

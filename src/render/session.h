@@ -108,6 +108,8 @@ class RenderSession {
     RenderedFrame frame();
     /// Layers of the camera's first surfaces, of those that options().aovs names; rendered at the first call.
     const std::vector<ImageLayer>& cameraLayers();
+    /// The same to take away; a later call renders them again.
+    std::vector<ImageLayer> takeCameraLayers();
 
   private:
     RenderSession(const std::shared_ptr<const Scene>& scene, const SessionOptions& options,

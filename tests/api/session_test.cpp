@@ -83,6 +83,23 @@ TEST_F(ApiSession, ViewsStayWhereTheyAre) {
     EXPECT_EQ(moved.image().data, image.data);
 }
 
+TEST_F(ApiSession, LeavesItsBuffers) {
+    options.layers = {"albedo", "depth", "variance"};
+    metrolux::Session session(scene, options), same(scene, options);
+    session.render(passes(2));
+    same.render(passes(2));
+    const float* const image = session.image().data;
+    const float* const albedo = session.layer("albedo").data;
+    const metrolux::Picture picture = std::move(session).finish();
+    EXPECT_EQ(picture.image.pixels.data(), image);
+    EXPECT_EQ(picture.layers.at("albedo").pixels.data(), albedo);
+    EXPECT_EQ(picture.image.pixels, pixels(same.image()));
+    for (const std::string& name : options.layers) {
+        EXPECT_EQ(picture.layers.at(name).pixels, pixels(same.layer(name))) << name;
+        EXPECT_EQ(picture.layers.at(name).channels, same.layer(name).channels) << name;
+    }
+}
+
 TEST_F(ApiSession, StopsWhenAnotherThreadAsks) {
     metrolux::Session session(scene, options);
     std::atomic<bool> begun{false};
@@ -238,6 +255,14 @@ TEST(ApiImage, ComparesAsTheCommand) {
     EXPECT_EQ(compare(a.view(), a.view()).relMse, 0);
     EXPECT_DOUBLE_EQ(compare(a.view(), b.view()).mse, 0.5);
     EXPECT_EQ(heatMap(a.view(), b.view()).pixels.size(), 6u);
+    const Image gray{{0.5f, 1}, 1, 2, 1}, color{{0.5f, 0.5f, 0.5f, 1, 1, 1}, 1, 2, 3};
+    EXPECT_EQ(displayImage(gray.view()), displayImage(color.view()));
+    EXPECT_EQ(encodePng(gray.view()), encodePng(color.view()));
+    const TemporaryFolder folder;
+    writeImage(folder.path() / "srgb.png", gray.view());
+    writeImage(folder.path() / "none.png", gray.view(), {0, "none"});
+    EXPECT_NEAR(readImage(folder.path() / "srgb.png").pixels[0], 0.5, 0.005) << "read as linear";
+    EXPECT_NEAR(readImage(folder.path() / "none.png").pixels[0], 0.214, 0.005) << "0.5 of a display";
     b.width = 1;
     EXPECT_NE(errorOf([&] { compare(a.view(), b.view()); }), "nothing was thrown");
 }

@@ -156,7 +156,7 @@ TEST(Documents, NamedLinksAreDefined) {
 TEST(Documents, CitedPagesExist) {
     static const std::regex citation(R"((?:^|[^\w/])docs/[\w./-]+\.md(?:,? section \d+)?)");
     const auto files =
-        filesIn({"src", "tests", "tools", "bench", "fuzz", "cmake", "scenes"}, [](const fs::path& p) {
+        filesIn({"src", "tests", "tools", "bench", "fuzz", "cmake", "scenes", "python"}, [](const fs::path& p) {
             const std::set<std::string> extensions = {".h",   ".cpp", ".in",  ".sh",    ".py",
                                                       ".txt", ".xml", ".yml", ".cmake", ".md"};
             return extensions.contains(p.extension().string()) || p.filename() == "Makefile";

@@ -105,8 +105,8 @@ class Scene:
         layers: Sequence[_Layer] = (),
         threads: int = 0,
         memory: int = 1476395008,
-        streams: int = 1,
-        only_streams: tuple[int, int] | None = None,
+        slices: int = 1,
+        only_slices: tuple[int, int] | None = None,
         **kwargs: _Parameter,
     ) -> Session: ...
     def render(
@@ -121,8 +121,8 @@ class Scene:
         layers: Sequence[_Layer] = (),
         threads: int = 0,
         memory: int = 1476395008,
-        streams: int = 1,
-        only_streams: tuple[int, int] | None = None,
+        slices: int = 1,
+        only_slices: tuple[int, int] | None = None,
         progress: _Progress = None,
         output: _File | Sequence[_File] | None = None,
         overwrite: bool = False,

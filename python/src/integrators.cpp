@@ -68,7 +68,7 @@ void defineIntegrators(py::module_& module) {
     module.def("integrators", &byName, "All Integrators by name; the first is the default.");
     module.def("merge", &mergeParts, py::arg("parts"), py::arg("output"), py::kw_only(),
                py::arg("overwrite") = false, py::arg("exposure") = 0.0, py::arg("curve") = "srgb",
-               py::arg("layers") = py::tuple(), R"(Joins checkpoints of streams that were rendered apart.
+               py::arg("layers") = py::tuple(), R"(Joins checkpoints of slices that were rendered apart.
 
 Writes the image, to the bit that of one process which renders them all; output, overwrite, exposure and curve as in
 Scene.render(), layers: none or ["variance"]. The statistics, a dict.)");

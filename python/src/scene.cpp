@@ -107,8 +107,8 @@ struct SessionArguments {
     std::optional<int> maxDepth;
     std::uint64_t memory;
     std::vector<std::string> layers;
-    std::uint32_t streams;
-    std::optional<std::pair<std::uint32_t, std::uint32_t>> onlyStreams;
+    std::uint32_t slices;
+    std::optional<std::pair<std::uint32_t, std::uint32_t>> onlySlices;
     int threads;
 
     SessionOptions options(const py::kwargs& parameters) const {
@@ -119,10 +119,10 @@ struct SessionArguments {
         result.maxDepth = maxDepth;
         result.memory = memory;
         result.layers = layers;
-        result.streams.count = streams;
-        if (onlyStreams) {
-            result.streams.first = onlyStreams->first;
-            result.streams.last = onlyStreams->second;
+        result.slices.count = slices;
+        if (onlySlices) {
+            result.slices.first = onlySlices->first;
+            result.slices.last = onlySlices->second;
         }
         result.threads = threads;
         return result;
@@ -213,7 +213,7 @@ Limits, of which the first that is reached counts: time in seconds of rendering,
 mean squared relative error of the image). Without any: a minute.
 max_depth: most path edges, in place of the scene's limit; -1 for no limit. memory: bytes that an iteration may store.
 layers: of albedo, normal, depth and variance; image.layers has them, float32 (height, width, 3 or 1).
-streams, only_streams: as in `metrolux render`; parts are joined by merge().
+slices, only_slices: as in `metrolux render`; parts are joined by merge().
 threads: 0 for one per core. progress: called with a Progress after each pass; False ends the rendering.
 output: one or several files, .exr or .png (through exposure, in stops, and curve, srgb or filmic), written every
 save_every seconds (0: at the end only) and at the end; overwrite: those of other programs too.
@@ -234,31 +234,31 @@ void defineMethods(py::class_<Scene>& type) {
             [](const Scene& scene, const std::string& integrator, std::optional<double> time,
                std::optional<std::uint32_t> passes, std::optional<double> error, std::uint64_t seed,
                std::optional<int> maxDepth, const std::vector<std::string>& layers, int threads,
-               std::uint64_t memory, std::uint32_t streams,
-               std::optional<std::pair<std::uint32_t, std::uint32_t>> onlyStreams,
+               std::uint64_t memory, std::uint32_t slices,
+               std::optional<std::pair<std::uint32_t, std::uint32_t>> onlySlices,
                const py::kwargs& parameters) {
-                const SessionArguments a{integrator, seed,    maxDepth,    memory,
-                                         layers,     streams, onlyStreams, threads};
+                const SessionArguments a{integrator, seed,   maxDepth,   memory,
+                                         layers,     slices, onlySlices, threads};
                 return std::make_shared<PythonSession>(scene, a.options(parameters),
                                                        LimitArguments{time, passes, error}.limits());
             },
             py::arg("integrator") = kDefaultIntegrator, py::kw_only(), py::arg("time") = py::none(),
             py::arg("passes") = py::none(), py::arg("error") = py::none(), py::arg("seed") = 0,
             py::arg("max_depth") = py::none(), py::arg("layers") = py::tuple(), py::arg("threads") = 0,
-            py::arg("memory") = kDefaultMemory, py::arg("streams") = 1, py::arg("only_streams") = py::none(),
+            py::arg("memory") = kDefaultMemory, py::arg("slices") = 1, py::arg("only_slices") = py::none(),
             kSessionDoc)
         .def(
             "render",
             [](const Scene& scene, const std::string& integrator, std::optional<double> time,
                std::optional<std::uint32_t> passes, std::optional<double> error, std::uint64_t seed,
                std::optional<int> maxDepth, const std::vector<std::string>& layers, int threads,
-               std::uint64_t memory, std::uint32_t streams,
-               std::optional<std::pair<std::uint32_t, std::uint32_t>> onlyStreams, const py::object& progress,
+               std::uint64_t memory, std::uint32_t slices,
+               std::optional<std::pair<std::uint32_t, std::uint32_t>> onlySlices, const py::object& progress,
                const py::object& output, bool overwrite, double exposure, const std::string& curve,
                double saveEvery, std::optional<Path> checkpoint, double checkpointEvery,
                std::optional<Path> resume, const py::kwargs& parameters) {
-                const SessionArguments a{integrator, seed,    maxDepth,    memory,
-                                         layers,     streams, onlyStreams, threads};
+                const SessionArguments a{integrator, seed,   maxDepth,   memory,
+                                         layers,     slices, onlySlices, threads};
                 const FileArguments files{output,    overwrite,  exposure,       curve,
                                           saveEvery, checkpoint, checkpointEvery};
                 return render(scene, a, {time, passes, error}, files, progress, resume, parameters);
@@ -266,7 +266,7 @@ void defineMethods(py::class_<Scene>& type) {
             py::arg("integrator") = kDefaultIntegrator, py::kw_only(), py::arg("time") = py::none(),
             py::arg("passes") = py::none(), py::arg("error") = py::none(), py::arg("seed") = 0,
             py::arg("max_depth") = py::none(), py::arg("layers") = py::tuple(), py::arg("threads") = 0,
-            py::arg("memory") = kDefaultMemory, py::arg("streams") = 1, py::arg("only_streams") = py::none(),
+            py::arg("memory") = kDefaultMemory, py::arg("slices") = 1, py::arg("only_slices") = py::none(),
             py::arg("progress") = py::none(), py::arg("output") = py::none(), py::arg("overwrite") = false,
             py::arg("exposure") = 0.0, py::arg("curve") = "srgb", py::arg("save_every") = kDefaultSaveEvery,
             py::arg("checkpoint") = py::none(), py::arg("checkpoint_every") = kDefaultCheckpointEvery,

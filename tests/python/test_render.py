@@ -158,12 +158,12 @@ class Render(TestCase):
             metrolux.load_dict(ball()).render("path", passes=2, output=folder / "a.exr", save_every=0, progress=remove)
         self.assertSameBits(caught.exception.image, metrolux.read(next(self.folder.glob("*.exr"))))
 
-    def test_streams_that_are_merged_are_one_rendering(self):
+    def test_slices_that_are_merged_are_one_rendering(self):
         scene = metrolux.load_dict(ball())
-        whole = scene.render("vcm", passes=8, streams=4)
+        whole = scene.render("vcm", passes=8, slices=4)
         parts = [self.folder / "0", self.folder / "1"]
         for i, part in enumerate(parts):
-            scene.render("vcm", passes=8, streams=4, only_streams=(2 * i, 2 * i + 1), checkpoint=part)
+            scene.render("vcm", passes=8, slices=4, only_slices=(2 * i, 2 * i + 1), checkpoint=part)
         statistics = metrolux.merge(parts, self.folder / "a.exr")
         self.assertEqual(statistics["passes"], 8)
         self.assertSameBits(metrolux.read(self.folder / "a.exr"), whole)

@@ -110,6 +110,9 @@ study: build  ## all integrators on six hard scenes, as web pages in study/: mor
 integrator-pictures: build  ## the pictures of docs/lab/integrators.md
 	tools/integrator_pictures.sh
 
+tutorial-pictures: build setup-python  ## the pictures of the tutorials in Python
+	tools/tutorial_pictures.sh $(BUILD)
+
 parameters: build  ## the page of the integrators' parameters, docs/reference/parameters.md
 	$(BUILD)/metrolux integrators --markdown > docs/reference/parameters.md
 

@@ -3,6 +3,7 @@
 #include "image.h"
 
 #include "arrays.h"
+#include "unlocked.h"
 
 #include <pybind11/stl/filesystem.h>
 
@@ -16,7 +17,7 @@ struct Comparison {
     Difference difference;
     Comparison(const py::handle& image, const py::handle& reference, double e)
         : a(image, "image"), b(reference, "reference"), epsilon(e) {
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         difference = compare(a.view(), b.view(), epsilon);
     }
 };
@@ -24,7 +25,7 @@ struct Comparison {
 py::bytes pngOf(const py::handle& array, double exposure, const std::string& curve) {
     const Pixels pixels(array, "image");
     const std::string bytes = [&] {
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return encodePng(pixels.view(), {exposure, curve});
     }();
     return bytes;
@@ -32,7 +33,7 @@ py::bytes pngOf(const py::handle& array, double exposure, const std::string& cur
 
 py::object read(const std::filesystem::path& file) {
     Image image = [&] {
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return readImage(file);
     }();
     return imageOf(std::move(image));
@@ -41,13 +42,13 @@ py::object read(const std::filesystem::path& file) {
 void write(const std::filesystem::path& file, const py::handle& array, double exposure,
            const std::string& curve) {
     const Pixels pixels(array, "image");
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     writeImage(file, pixels.view(), {exposure, curve});
 }
 
 py::object heatMapOf(const Comparison& c) {
     Image map = [&] {
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return heatMap(c.a.view(), c.b.view(), c.epsilon);
     }();
     py::object image = imageOf(std::move(map));

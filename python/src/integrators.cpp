@@ -26,7 +26,7 @@ py::dict mergeParts(const std::vector<std::filesystem::path>& parts, const py::o
     FileArguments arguments{output, overwrite, exposure, curve, 0, std::nullopt, 0};
     const Files files = arguments.files();
     const Merged merged = [&] {
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return merge(parts, files, layers);
     }();
     for (const std::string& failure : merged.outcome.failures) throw Error(failure);

@@ -3,6 +3,7 @@
 #include "image.h"
 #include "scene.h"
 #include "session.h"
+#include "unlocked.h"
 #include "values.h"
 
 #include <metrolux/error.h>
@@ -38,8 +39,11 @@ PYBIND11_MODULE(_metrolux, module) {
     defineSession(module);
     defineIntegrators(module);
     setLog(logToPython);
-    // Threads that still render must not find an interpreter that has gone.
-    py::module_::import("atexit").attr("register")(py::cpp_function([] { setLog({}); }));
+    py::module_::import("atexit").attr("register")(py::cpp_function([] {
+        stopSessions();
+        finishUnlockedWork();
+        setLog({});
+    }));
 }
 
 }  // namespace metrolux::python

@@ -4,6 +4,7 @@
 #include <metrolux/error.h>
 
 #include <exception>
+#include <set>
 
 namespace metrolux::python {
 namespace {
@@ -46,6 +47,9 @@ class Watch {
     std::exception_ptr problem_;
     bool stop_ = false;
 };
+
+/// Sessions that render, under the interpreter's lock.
+std::set<PythonSession*> rendering;
 
 /// Throws Error for the files that were not written.
 void checkWritten(const Outcome& outcome) {
@@ -92,7 +96,8 @@ Parameters parametersFrom(const py::kwargs& keywords) {
     return parameters;
 }
 
-PythonSession::Use::Use(PythonSession& s, bool renders) : session(s), isOutermost(!s.busy_) {
+PythonSession::Use::Use(PythonSession& s, bool isRendering)
+    : session(s), isOutermost(!s.busy_), renders(isRendering) {
     if (s.busy_ && (renders || s.user_ != std::this_thread::get_id()))
         throw Error(
             "the session is rendering: until the end only stop() may be called, and by the progress "
@@ -100,22 +105,25 @@ PythonSession::Use::Use(PythonSession& s, bool renders) : session(s), isOutermos
     if (!isOutermost) return;
     s.busy_ = true;
     s.user_ = std::this_thread::get_id();
+    if (renders) rendering.insert(&s);
 }
 
 PythonSession::Use::~Use() {
-    if (isOutermost) session.busy_ = false;
+    if (!isOutermost) return;
+    session.busy_ = false;
+    rendering.erase(&session);
 }
 
 PythonSession::PythonSession(Scene scene, SessionOptions options, Limits limits)
     : session_([&] {
-          const py::gil_scoped_release release;
+          const Unlocked unlocked;
           return Session(std::move(scene), std::move(options));
       }()),
       limits_(limits) {}
 
 void PythonSession::step() {
     const Use guard(*this, true);
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     session_.step();
 }
 
@@ -123,7 +131,7 @@ void PythonSession::run(const Limits& limits, const py::object& progress, const 
     const Use guard(*this, true);
     Watch watch(progress);
     const Outcome outcome = [&] {
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return session_.render(limits, watch.hooks(), files);
     }();
     stop_ = false;
@@ -144,7 +152,7 @@ bool PythonSession::next() {
     Hooks hooks = watch.hooks();
     hooks.stop = [&, stops = hooks.stop] { return stops() || session_.progress().passes > before; };
     {
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         if (limits_.any())
             session_.render(limits_, hooks);
         else
@@ -152,6 +160,10 @@ bool PythonSession::next() {
     }
     watch.finish();
     return session_.progress().passes > before;
+}
+
+void stopSessions() noexcept {
+    for (PythonSession* session : rendering) session->requestStop();
 }
 
 void PythonSession::requestStop() noexcept {

@@ -51,7 +51,7 @@ Scene load(const Path& file, const py::object& define, bool lenient, bool strict
         for (const auto& [name, value] : define.cast<py::dict>())
             options.defines[name.cast<std::string>()] = defineText(value);
     for (const auto& [name, value] : defines) options.defines[name.cast<std::string>()] = defineText(value);
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return Scene::load(file, options);
 }
 
@@ -61,18 +61,18 @@ Scene loadDict(const py::dict& scene, const Path& folder, bool lenient, bool str
     const Object object = objectFrom(scene, "");
     const LoadOptions options =
         optionsOf(lenient, strict, sensor, filmOf(resolution, crop, filter), memory, threads);
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return Scene::make(object, options, folder);
 }
 
 Scene withCamera(const Scene& scene, const py::handle& camera) {
     if (py::isinstance<py::dict>(camera)) {
         const Object sensor = objectFrom(camera.cast<py::dict>(), "sensor");
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return scene.withCamera(sensor);
     }
     const Transform toWorld = transformFrom(camera, "camera");
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return scene.withCamera(toWorld);
 }
 
@@ -82,7 +82,7 @@ Scene withValues(const Scene& scene, const py::dict& changes) {
         const auto name = py::str(path).cast<std::string>();
         values.emplace_back(name, valueFrom(value, name));
     }
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     return scene.with(values);
 }
 
@@ -133,7 +133,7 @@ struct SessionArguments {
 py::object imageFrom(PythonSession& session) {
     const std::string statistics = session.use([](Session& s) { return s.statistics(); });
     Picture picture = [&] {
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return session.release().finish();
     }();
     py::object image = imageOf(std::move(picture.image));

@@ -1,6 +1,8 @@
 #pragma once
 /// Sessions for Python: the same as metrolux::Session, and who may use it when.
 
+#include "unlocked.h"
+
 #include <metrolux/session.h>
 
 #include <atomic>
@@ -51,7 +53,7 @@ class PythonSession {
     template <class Action>
     auto use(const Action& action) {
         const Use guard(*this, false);
-        const py::gil_scoped_release release;
+        const Unlocked unlocked;
         return action(session_);
     }
     /// The session, to be taken apart.
@@ -66,7 +68,7 @@ class PythonSession {
         Use(const Use&) = delete;
         Use& operator=(const Use&) = delete;
         PythonSession& session;
-        bool isOutermost;
+        bool isOutermost, renders;
     };
 
     Session session_;
@@ -79,6 +81,9 @@ class PythonSession {
 /// What `interrupt` becomes when there is an image: metrolux.Interrupted for a KeyboardInterrupt; all others
 /// get it as an attribute.
 [[noreturn]] void rethrowWithImage(py::error_already_set& problem, const py::object& image);
+
+/// Requests all renderings in progress to stop.
+void stopSessions() noexcept;
 
 void defineSession(py::module_& module);
 

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 import unittest
@@ -92,6 +94,36 @@ class Session(TestCase):
         thread.join()
         self.assertEqual(len(errors), 3, errors)
         self.assertIn("only stop() may be called", errors[0])
+
+    def test_several_render_at_the_same_time(self):
+        expected = {integrator: self.scene.render(integrator, passes=20) for integrator in ("path", "vcm", "mcmc_vcm")}
+        images = {}
+
+        def render(integrator):
+            images[integrator] = metrolux.load_dict(ball()).render(integrator, passes=20, threads=2)
+
+        threads = [threading.Thread(daemon=True, target=render, args=[integrator]) for integrator in expected]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        for integrator, image in expected.items():
+            self.assertSameBits(images[integrator], image, integrator)
+
+    def test_the_interpreter_ends_while_a_thread_renders(self):
+        code = """
+import sys, threading, time, metrolux
+from support import ball
+begun = threading.Event()
+def render():
+    for image in metrolux.load_dict(ball()).session("path"):
+        begun.set()
+threading.Thread(target=render, daemon=True).start()
+begun.wait()
+"""
+        for _ in range(5):
+            result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=100)
+            self.assertEqual((result.returncode, result.stderr), (0, ""))
 
     def test_interrupt_leaves_the_session_usable(self):
         session = self.scene.session("path")

@@ -1,5 +1,6 @@
 #pragma once
 #include <metrolux/export.h>
+#include <metrolux/image.h>
 
 #include <array>
 #include <cstdint>
@@ -79,9 +80,9 @@ class Object;
 /// A parameter of an object: a number, a color, another object ...
 class METROLUX_API Value {
   public:
-    using Data =
-        std::variant<bool, std::int64_t, double, std::string, Vector, Color, Spectrum, Blackbody, Transform,
-                     Reference, std::shared_ptr<const Object>, std::shared_ptr<const Mesh>>;
+    using Data = std::variant<bool, std::int64_t, double, std::string, Vector, Color, Spectrum, Blackbody,
+                              Transform, Reference, std::shared_ptr<const Object>,
+                              std::shared_ptr<const Mesh>, std::shared_ptr<const Image>>;
 
     Value(bool value) : data_(value) {}
     Value(int value) : data_(std::int64_t{value}) {}
@@ -99,6 +100,10 @@ class METROLUX_API Value {
     Value(std::shared_ptr<const Object> object) : data_(std::move(object)) {}
     Value(Mesh mesh) : data_(std::make_shared<const Mesh>(std::move(mesh))) {}
     Value(std::shared_ptr<const Mesh> mesh) : data_(std::move(mesh)) {}
+    /// In place of a file, for `Object("bitmap", {{"data", image}})` and an `envmap`: linear, as pixels of a
+    /// floating-point file are.
+    Value(Image image) : data_(std::make_shared<const Image>(std::move(image))) {}
+    Value(std::shared_ptr<const Image> image) : data_(std::move(image)) {}
 
     const Data& data() const { return data_; }
 

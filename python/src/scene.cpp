@@ -181,7 +181,8 @@ constexpr const char* kLoadDictDoc = R"(A scene of nested dictionaries in the fo
 Each has a "type" and the parameters of that plugin. Numbers, strings and bools are values; sequences or arrays of
 three numbers are points and vectors; a Transform or an array (4, 4) is a transform; {"type": "rgb", "value": ...}
 and {"type": "spectrum", "value": number or [(nanometers, value), ...]} are colors; {"type": "ref", "id": ...} refers
-to another object; {"type": "mesh", "arrays": Mesh(...)} has a mesh's arrays.
+to another object; {"type": "mesh", "arrays": Mesh(...)} has a mesh's arrays; {"type": "bitmap", "data": array}, and
+an envmap, have linear pixels (height, width, channels) in place of a file.
 folder: where files are looked for, the working directory if empty. The rest is as in load().)";
 
 constexpr const char* kValuesDoc = R"(What the scene says, a dict by path: "lamp.emitter.radiance".

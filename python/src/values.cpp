@@ -47,6 +47,14 @@ Spectrum spectrumFrom(const Doubles& array) {
     return result;
 }
 
+/// Pixels of a bitmap.
+Image pixelsFrom(const Doubles& array) {
+    return {{array.data(), array.data() + array.size()},
+            static_cast<int>(array.shape(0)),
+            static_cast<int>(array.shape(1)),
+            static_cast<int>(array.shape(2))};
+}
+
 Value arrayFrom(const Doubles& array, const std::string& path) {
     const auto is = [&](py::ssize_t rows, py::ssize_t columns) {
         return array.ndim() == 2 && (rows < 0 || array.shape(0) == rows) && array.shape(1) == columns;
@@ -55,9 +63,10 @@ Value arrayFrom(const Doubles& array, const std::string& path) {
     if (is(4, 4)) return matrixFrom(array);
     if (is(3, 3)) return planeMatrixFrom(array);
     if (is(-1, 2)) return spectrumFrom(array);
+    if (array.ndim() == 3) return pixelsFrom(array);
     fail(path, "found an array of shape " + shapeOf(array) +
-                   ", expected (3,) for a point, a vector or a color, (4, 4) for a transform, or (n, 2) for "
-                   "wavelengths and values");
+                   ", expected (3,) for a point, a vector or a color, (4, 4) for a transform, (n, 2) for "
+                   "wavelengths and values, or (height, width, channels) for pixels");
 }
 
 py::object vectorArray(double x, double y, double z) {
@@ -158,6 +167,13 @@ py::object toPython(const Value& value) {
         }
         py::object operator()(const std::shared_ptr<const Mesh>& mesh) const {
             return py::cast(std::const_pointer_cast<Mesh>(mesh));  // its arrays are read-only in Python
+        }
+        py::object operator()(const std::shared_ptr<const Image>& image) const {
+            auto kept = std::make_unique<std::shared_ptr<const Image>>(image);
+            const py::capsule owner(kept.get(),
+                                    [](void* p) { delete static_cast<std::shared_ptr<const Image>*>(p); });
+            kept.release();  // the capsule's by now
+            return viewOf(image->view(), owner);
         }
     };
     return std::visit(Convert{}, value.data());

@@ -99,6 +99,10 @@ Data plain(const std::shared_ptr<const Mesh>& mesh) {
     if (!mesh) throw Error("found no mesh, expected one");
     return arraysOf(mesh);
 }
+Data plain(const std::shared_ptr<const Image>& image) {
+    if (!image) throw Error("found no image, expected one");
+    return PixelArray{image->width, image->height, image->channels, image->pixels, image};
+}
 
 bool isList(const Element& parent) { return parent.tag == "scene" || parent.type == "shapegroup"; }
 

@@ -47,6 +47,11 @@ struct Fingerprint {
             addAll(a.values);
         }
     }
+    void add(const PixelArray& p) {
+        add(p.width);
+        add(p.channels);
+        addAll(p.pixels);
+    }
     void add(const ElementPtr& element) {
         if (element) add(*element);
     }

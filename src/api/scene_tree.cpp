@@ -77,6 +77,7 @@ Value valueOf(const Property& property) {
             return Spectrum{{s.wavelengths.begin(), s.wavelengths.end()}, {s.values.begin(), s.values.end()}};
         }
         Value operator()(const MeshArrays& m) const { return std::static_pointer_cast<const Mesh>(m.owner); }
+        Value operator()(const PixelArray& p) const { return std::static_pointer_cast<const Image>(p.owner); }
         Value operator()(const ElementPtr&) const { return false; }
     };
     return std::visit(Convert{}, property.value);

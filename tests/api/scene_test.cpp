@@ -38,6 +38,28 @@ TEST(ApiScene, SmallObjectsOfLoadDictAreValues) {
     EXPECT_EQ(rendered(metrolux::Scene::make(scene), mcmc(), 1), rendered(fromXml(), mcmc(), 1));
 }
 
+TEST(ApiScene, PixelsStandForFiles) {
+    const TemporaryFolder folder;
+    const Image image{{0.1f, 0.2f, 0.3f, 0.9f, 0.8f, 0.7f, 0.5f, 0.1f, 0.2f, 0.3f, 0.6f, 0.4f}, 2, 2, 3};
+    writeImage(folder.path() / "a.exr", image.view());
+    const auto with = [&](const char* name, const Value& value) {
+        Object scene = ball();
+        scene.set("gray", Object("diffuse", {{"reflectance", Object("bitmap", {{name, value}})}}));
+        return scene.set("sky", Object("envmap", {{name, value}}));
+    };
+    const metrolux::Scene pixels = metrolux::Scene::make(with("data", image));
+    EXPECT_EQ(rendered(pixels, mcmc(), 2),
+              rendered(metrolux::Scene::make(with("filename", "a.exr"), {}, folder.path()), mcmc(), 2));
+    EXPECT_EQ(rendered(pixels.with(pixels.values()), mcmc(), 2), rendered(pixels, mcmc(), 2));
+    EXPECT_THAT(errorOf([&] {
+                    metrolux::Scene::make(with("data", Image{{1, 2}, 1, 1, 3}));
+                }),
+                HasSubstr("found 2 numbers for 1x1 pixels of 3 channels"));
+    EXPECT_THAT(errorOf([&] { metrolux::Scene::make(with("data", "a.exr")); }),
+                HasSubstr("expected the pixels of an image"));
+    EXPECT_THAT(errorOf([&] { metrolux::Scene::make(with("fle", image)); }), HasSubstr("no \"filename\""));
+}
+
 TEST(ApiScene, ChangesOfTheViewShareTheGeometryAndEqualAFreshScene) {
     const metrolux::Scene scene = metrolux::Scene::make(ball());
     // Far outside: the infinite light's disk grows with the bounds, and that of `scene` may not.

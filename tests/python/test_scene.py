@@ -56,6 +56,25 @@ class LoadDict(TestCase):
         with self.assertRaisesRegex(metrolux.Error, "a.exr"):
             metrolux.load_dict(textured)
 
+    def test_arrays_are_pixels(self):
+        pixels = numpy.random.default_rng(1).random((4, 6, 3), dtype=numpy.float32)
+        metrolux.write(self.folder / "a.exr", pixels)
+
+        def scene(texture, sky):
+            return metrolux.load_dict(
+                ball(
+                    gray={"type": "diffuse", "reflectance": {"type": "bitmap"} | texture},
+                    sky={"type": "envmap"} | sky,
+                ),
+                folder=self.folder,
+            )
+
+        made, read = scene({"data": pixels}, {"data": pixels}), scene({"filename": "a.exr"}, {"filename": "a.exr"})
+        self.assertSameBits(rendered(made), rendered(read))
+        self.assertSameBits(made.values["gray.reflectance.data"], pixels)
+        changed = made.with_values({"gray.reflectance.data": pixels[:, ::-1]})
+        self.assertFalse(numpy.array_equal(rendered(changed), rendered(made)))
+
     def test_errors_say_where(self):
         for text, scene in {
             "scene:ball.radus: .*did you mean \"radius\"": ball(ball={"type": "sphere", "radus": 1}),

@@ -12,4 +12,21 @@ std::filesystem::path LoadContext::resolve(const Element& element, const std::st
     }
 }
 
+ImageData LoadContext::image(const Element& element, bool raw) {
+    const PixelArray* data = element.pixels("data");
+    if (!data) return readImage(resolve(element, element.requiredString("filename")), raw, &memory);
+    if (element.has("filename")) throw element.error("found both \"data\" and \"filename\", expected one");
+    const auto size = static_cast<uint64_t>(std::max(data->width, 0)) *
+                      static_cast<uint64_t>(std::max(data->height, 0)) *
+                      static_cast<uint64_t>(std::max(data->channels, 0));
+    if (size == 0 || data->channels > 4 || data->pixels.size() != size)
+        throw element.error(
+            fmt::format("\"data\": found {} numbers for {}x{} pixels of {} channels, expected as many as "
+                        "these need, of 1 "
+                        "to 4 channels",
+                        data->pixels.size(), data->width, data->height, data->channels));
+    memory.take(size * sizeof(float), "the image");
+    return {data->width, data->height, data->channels, {data->pixels.begin(), data->pixels.end()}};
+}
+
 }  // namespace metrolux::core::mitsuba

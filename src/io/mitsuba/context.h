@@ -6,6 +6,7 @@
 #include "endpoint/light.h"
 #include "geometry/shape.h"
 #include "image/filter.h"
+#include "image/image_io.h"
 #include "io/mitsuba/properties.h"
 #include "scattering/bsdf.h"
 #include "scattering/texture.h"
@@ -43,6 +44,9 @@ struct LoadContext {
     /// It is noted in `files`.
     std::filesystem::path resolve(const Element& element, const std::string& filename);
     std::set<std::filesystem::path> files;
+    /// The image of a texture or an environment map: that of "filename", as readImage() has it, or the pixels
+    /// of "data". Throws Error.
+    ImageData image(const Element& element, bool raw);
     void warn(const Element& element, const std::string& message) {
         warnings.emplace_back(element.error(message).what());
     }

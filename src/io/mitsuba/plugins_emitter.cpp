@@ -82,8 +82,7 @@ LightPtr makeEnvmap(const Element& element, LoadContext& context) {
     p.toWorld = similarity(element, "to_world");
     p.scale = element.number("scale", 1);
     element.ignore("mis_compensation");  // a choice of sampling density only
-    const ImageData image =
-        readImage(context.resolve(element, element.requiredString("filename")), false, &context.memory);
+    const ImageData image = context.image(element, false);
     p.width = image.width;
     p.height = image.height;
     p.pixels.reserve(size_t(image.width) * static_cast<size_t>(image.height));

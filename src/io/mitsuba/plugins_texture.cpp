@@ -89,9 +89,8 @@ TexturePtr bitmap(const Element& element, LoadContext& context) {
     element.ignore("format");  // storage precision: always float here
     element.ignore("accel");   // of GPUs
     const bool raw = element.boolean("raw", false);
-    const auto file = context.resolve(element, element.requiredString("filename"));
     try {
-        ImageData image = readImage(file, raw, &context.memory);
+        ImageData image = context.image(element, raw);
         if (element.isLegacy() && element.has("channel")) image = onlyChannel(element, std::move(image));
         p.width = image.width;
         p.height = image.height;

@@ -26,6 +26,7 @@ std::string describe(const Property& property) {
         std::string operator()(const RgbValue&) const { return "a color"; }
         std::string operator()(const SpectrumValue&) const { return "a spectrum"; }
         std::string operator()(const MeshArrays&) const { return "the arrays of a mesh"; }
+        std::string operator()(const PixelArray&) const { return "the pixels of an image"; }
         std::string operator()(const ElementPtr& v) const {
             return v ? fmt::format("a <{} type=\"{}\">", v->tag, v->type) : std::string("nothing");
         }
@@ -114,6 +115,10 @@ const MeshArrays& Element::requiredArrays(const std::string& name) const {
     const MeshArrays* value = typed<MeshArrays>(*this, find(name), "the arrays of a mesh");
     if (!value) throw error("has no arrays, which only a program can give it; expected a type with a file");
     return *value;
+}
+
+const PixelArray* Element::pixels(const std::string& name) const {
+    return typed<PixelArray>(*this, find(name), "the pixels of an image");
 }
 
 ElementPtr Element::child(const std::string& name) const {

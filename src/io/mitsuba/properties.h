@@ -61,9 +61,17 @@ struct MeshArrays {
     std::shared_ptr<const void> owner;
 };
 
+/// The pixels of an image that was made in code, as their owner keeps them: row by row from the top, channels
+/// interleaved.
+struct PixelArray {
+    int width = 0, height = 0, channels = 0;
+    std::span<const float> pixels;
+    std::shared_ptr<const void> owner;
+};
+
 struct Property {
     std::variant<bool, int64_t, double, std::string, Vec3f, Transform, RgbValue, SpectrumValue, ElementPtr,
-                 MeshArrays>
+                 MeshArrays, PixelArray>
         value;
     Location location;
     mutable bool used = false;
@@ -101,6 +109,8 @@ class Element {
     /// Identity if absent. Throws for a singular map, unless it `mayFlatten`.
     Transform transform(const std::string& name, bool mayFlatten = false) const;
     const MeshArrays& requiredArrays(const std::string& name) const;
+    /// Null if absent.
+    const PixelArray* pixels(const std::string& name) const;
     /// A nested or referenced element under this name, or null.
     ElementPtr child(const std::string& name) const;
     /// All elements with the tag ("bsdf", "emitter", ...), named or not, in order of appearance; marked used.

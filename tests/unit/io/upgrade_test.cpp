@@ -34,6 +34,9 @@ struct SameValue {
     void operator()(const mitsuba::MeshArrays&, const mitsuba::MeshArrays&) const {
         ADD_FAILURE() << "no file has these";
     }
+    void operator()(const mitsuba::PixelArray&, const mitsuba::PixelArray&) const {
+        ADD_FAILURE() << "no file has these";
+    }
     template <class T>
     void operator()(const T& a, const T& b) const {
         EXPECT_EQ(a, b);

@@ -72,7 +72,7 @@ class METROLUX_API Scene {
 
     /// What the scene says, by path: "lamp.emitter.radiance". A path is made of names with points between:
     /// directly in the scene an id (or the tag, "shape"), below it the name in the parent (or the tag). Where
-    /// a name repeats, "_2", "_3" ... follow it. Defaults are not listed.
+    /// a name repeats, "_2", "_3" ... follow it. Defaults are not listed, nor are maps that flatten space.
     Object::Values values() const;
     /// With other values at such paths. A name that its parent does not have is added; an object takes the
     /// place of another for all who refer to it. What is outside of the sensor is built again, geometry

@@ -83,6 +83,12 @@ Value valueOf(const Property& property) {
     return std::visit(Convert{}, property.value);
 }
 
+/// The public Transform has an inverse.
+bool isListed(const Property& property) {
+    const auto* map = std::get_if<core::Transform>(&property.value);
+    return !(map && map->isSingular()) && !std::holds_alternative<ElementPtr>(property.value);
+}
+
 class Lister {
   public:
     Lister(const Element& root, const Element* before, const Element& now) : before_(before), now_(now) {
@@ -98,7 +104,7 @@ class Lister {
         for (const Name& name : namesIn(element)) {
             const ElementPtr* child = elementOf(*name.property);
             if (!child) {
-                if (!std::holds_alternative<ElementPtr>(name.property->value))
+                if (isListed(*name.property))
                     values.emplace_back(prefix + name.text, valueOf(*name.property));
             } else if (isRoot || !atTop_.contains(child->get())) {
                 list(child->get() == before_ ? now_ : **child, prefix + name.text + ".", false);

@@ -129,6 +129,20 @@ TEST(ApiChanges, ValuesAreListedByTheirPaths) {
         << "each of them may be set";
 }
 
+TEST(ApiChanges, AMapThatFlattensIsNotListed) {
+    const TemporaryFolder folder;
+    folder.write("floor.ply", kFloorPly);
+    std::string xml = kBallXml;
+    const std::string scale = "<scale value=\"3\"/>";
+    xml.replace(xml.find(scale), scale.size(), "<scale x=\"3\" y=\"3\" z=\"0\"/>");
+    const metrolux::Scene scene = metrolux::Scene::load(folder.write("ball.xml", xml));
+    std::vector<std::string> paths;
+    for (const auto& [path, value] : scene.values()) paths.push_back(path);
+    EXPECT_THAT(paths, testing::Contains("shape_3.to_world"));
+    EXPECT_THAT(paths, testing::Not(testing::Contains("shape.to_world")));
+    EXPECT_EQ(twoPasses(scene.with(scene.values())), twoPasses(scene));
+}
+
 TEST(ApiChanges, ErrorsNameThePath) {
     const metrolux::Scene scene = metrolux::Scene::make(ball());
     const auto errorWith = [&](const char* path, const Value& value) {

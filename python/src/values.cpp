@@ -15,6 +15,16 @@ std::string typeName(const py::handle& value) { return Py_TYPE(value.ptr())->tp_
     throw Error("scene:" + path + ": " + problem);
 }
 
+/// A dictionary may contain itself.
+struct Nesting {
+    Nesting() {
+        if (Py_EnterRecursiveCall(" in the objects of a scene")) throw py::error_already_set();
+    }
+    ~Nesting() { Py_LeaveRecursiveCall(); }
+    Nesting(const Nesting&) = delete;
+    Nesting& operator=(const Nesting&) = delete;
+};
+
 /// The numbers of an array or of sequences; nothing for what has none.
 std::optional<Doubles> numbersFrom(const py::handle& value) {
     if (py::isinstance<py::str>(value) ||
@@ -117,6 +127,7 @@ Transform transformFrom(const py::handle& value, const std::string& what) {
 }
 
 Object objectFrom(const py::dict& dict, const std::string& path) {
+    const Nesting nesting;
     if (!dict.contains("type") || !py::isinstance<py::str>(dict["type"]))
         fail(path, "found a dictionary without a string \"type\", expected one");
     Object object(dict["type"].cast<std::string>());

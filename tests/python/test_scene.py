@@ -92,6 +92,17 @@ class LoadDict(TestCase):
             with self.assertRaisesRegex(metrolux.Error, text):
                 metrolux.load_dict(scene)
 
+    def test_a_dictionary_that_contains_itself_is_refused(self):
+        scene = ball()
+        scene["ball"]["glass"]["again"] = scene["ball"]
+        with self.assertRaises(RecursionError):
+            metrolux.load_dict(scene)
+        nested = 2.0
+        for _ in range(300):
+            nested = {"type": "diffuse", "inner": nested}
+        with self.assertRaisesRegex(metrolux.Error, "nested more than 256 levels deep"):
+            metrolux.load_dict(ball(gray=nested))
+
     def test_warnings_go_to_logging(self):
         with self.assertLogs("metrolux", "WARNING") as logs:
             scene = metrolux.load_dict(ball(ball={"type": "sphere", "radus": 1}), lenient=True)

@@ -13,7 +13,9 @@
 namespace metrolux::python {
 namespace {
 
-/// To the logger "metrolux" of Python's logging, which prints warnings unless it is told otherwise.
+/// To the logger "metrolux" of Python's logging, which prints warnings unless it is told otherwise. The
+/// library calls it one at a time: nothing that may log is called with the interpreter's lock, for which this
+/// waits.
 void logToPython(LogLevel level, const std::string& message) {
     const py::gil_scoped_acquire acquire;
     try {

@@ -289,6 +289,7 @@ this one's film unless it brings one.)")
             "with_film",
             [](const Scene& scene, const Size& resolution, const Window& crop,
                const std::optional<std::string>& filter) {
+                const Unlocked unlocked;
                 return scene.withFilm(filmOf(resolution, crop, filter));
             },
             py::kw_only(), py::arg("resolution") = py::none(), py::arg("crop") = py::none(),
@@ -298,6 +299,7 @@ this one's film unless it brings one.)")
             "with_paths",
             [](const Scene& scene, std::optional<int> maxDepth, std::optional<int> rouletteDepth,
                std::optional<bool> hideEmitters) {
+                const Unlocked unlocked;
                 return scene.withPaths({maxDepth, rouletteDepth, hideEmitters});
             },
             py::kw_only(), py::arg("max_depth") = py::none(), py::arg("roulette_depth") = py::none(),

@@ -56,7 +56,13 @@ TEST(ApiScene, PixelsStandForFiles) {
                 }),
                 HasSubstr("found 2 numbers for 1x1 pixels of 3 channels"));
     EXPECT_THAT(errorOf([&] { metrolux::Scene::make(with("data", "a.exr")); }),
-                HasSubstr("expected the pixels of an image"));
+                testing::AllOf(testing::StartsWith("scene:sky.data: <emitter type=\"envmap\">: property"),
+                               HasSubstr("expected the pixels of an image")));
+    EXPECT_THAT(
+        errorOf([&] {
+            metrolux::Scene::make(ball()).with({{"gray.reflectance", Object("bitmap")}});
+        }),
+        testing::StartsWith("scene:gray.reflectance: <texture type=\"bitmap\">: has no \"filename\""));
     EXPECT_THAT(errorOf([&] { metrolux::Scene::make(with("fle", image)); }), HasSubstr("no \"filename\""));
 }
 

@@ -14,7 +14,14 @@ std::filesystem::path LoadContext::resolve(const Element& element, const std::st
 
 ImageData LoadContext::image(const Element& element, bool raw) {
     const PixelArray* data = element.pixels("data");
-    if (!data) return readImage(resolve(element, element.requiredString("filename")), raw, &memory);
+    if (!data) {
+        const std::filesystem::path file = resolve(element, element.requiredString("filename"));
+        try {
+            return readImage(file, raw, &memory);
+        } catch (const Error& problem) {
+            throw element.error(problem.what());
+        }
+    }
     if (element.has("filename")) throw element.error("found both \"data\" and \"filename\", expected one");
     const auto size = static_cast<uint64_t>(std::max(data->width, 0)) *
                       static_cast<uint64_t>(std::max(data->height, 0)) *

@@ -89,8 +89,8 @@ TexturePtr bitmap(const Element& element, LoadContext& context) {
     element.ignore("format");  // storage precision: always float here
     element.ignore("accel");   // of GPUs
     const bool raw = element.boolean("raw", false);
+    ImageData image = context.image(element, raw);
     try {
-        ImageData image = context.image(element, raw);
         if (element.isLegacy() && element.has("channel")) image = onlyChannel(element, std::move(image));
         p.width = image.width;
         p.height = image.height;

@@ -90,7 +90,10 @@ Data plain(bool v) { return v; }
 Data plain(std::int64_t v) { return v; }
 Data plain(double v) { return finite(v); }
 Data plain(const std::string& v) { return v; }
-Data plain(const Vector& v) { return Vec3f(single(v.x), single(v.y), single(v.z)); }
+Data plain(const Vector& v) {
+    for (const double x : {v.x, v.y, v.z}) single(x);  // within its range
+    return settled({v.x, v.y, v.z});
+}
 Data plain(const Color& c) { return RgbValue{{single(c.r), single(c.g), single(c.b)}}; }
 Data plain(const Spectrum& s) { return spectrumValue(s); }
 Data plain(const Blackbody& b) { return blackbodyValue(b); }

@@ -27,7 +27,7 @@ struct Fingerprint {
         add(numbers.size());
         add(numbers.data(), numbers.size() * sizeof(*numbers.data()));
     }
-    void add(const Vec3f& v) { add(&v, sizeof v); }
+    void add(const Vec3d& v) { add(&v, sizeof v); }
     void add(const Transform& t) {
         for (int i = 0; i < 16; ++i) add(t.at(i / 4, i % 4));
     }

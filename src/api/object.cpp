@@ -13,6 +13,8 @@ core::Vec3f vec3(const Vector& v) {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
+core::Vec3d position(const Vector& v) { return {v.x, v.y, v.z}; }
+
 }  // namespace
 
 core::Transform Internals::transform(const Transform& t) {
@@ -41,7 +43,7 @@ Transform Transform::matrix(const std::array<double, 16>& values) {
 }
 
 Transform Transform::translate(const Vector& offset) {
-    return Internals::transform(core::Transform::translate(vec3(offset)));
+    return Internals::transform(core::Transform::translate(position(offset)));
 }
 
 Transform Transform::scale(const Vector& factors) {
@@ -53,7 +55,7 @@ Transform Transform::rotate(const Vector& axis, double degrees) {
 }
 
 Transform Transform::lookAt(const Vector& origin, const Vector& target, const Vector& up) {
-    return Internals::transform(core::Transform::lookAt(vec3(origin), vec3(target), vec3(up)));
+    return Internals::transform(core::Transform::lookAt(position(origin), position(target), vec3(up)));
 }
 
 Transform Transform::operator*(const Transform& other) const {

@@ -63,9 +63,7 @@ Value valueOf(const Property& property) {
         Value operator()(int64_t v) const { return v; }
         Value operator()(double v) const { return v; }
         Value operator()(const std::string& v) const { return v; }
-        Value operator()(const Vec3f& v) const {
-            return Vector{static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-        }
+        Value operator()(const Vec3d& v) const { return Vector{v.x, v.y, v.z}; }
         Value operator()(const core::Transform& t) const { return Internals::transform(t); }
         Value operator()(const RgbValue& v) const {
             return Color{static_cast<double>(v.value[0]), static_cast<double>(v.value[1]),

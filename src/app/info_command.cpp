@@ -70,6 +70,17 @@ Census census(const SceneParts& parts) {
     return result;
 }
 
+/// In the coordinates of the file.
+Vec3d placeOf(const Vec3f& p, const SceneParts& parts) { return Vec3d(p) + parts.origin; }
+
+/// Digits below the extent of the scene, wherever it is.
+std::string placeText(const Vec3f& p, const SceneParts& parts) {
+    const Vec3d place = placeOf(p, parts);
+    const bool isFar = parts.origin != Vec3d(0.0);
+    const auto text = [&](double x) { return isFar ? fmt::format("{:.10g}", x) : fmt::format("{:.4g}", x); };
+    return fmt::format("({}, {}, {})", text(place.x), text(place.y), text(place.z));
+}
+
 void printCamera(const SceneParts& parts) {
     const FilmWindow& w = parts.camera->window();
     const ReconstructionFilter filter(parts.filterKind, parts.filter);
@@ -77,8 +88,7 @@ void printCamera(const SceneParts& parts) {
     if (w.width != w.fullWidth || w.height != w.fullHeight)
         fmt::print(", crop {}x{} at {},{}", w.width, w.height, w.x, w.y);
     fmt::print(", filter {} of radius {}\n", filterName(parts.filterKind), filter.radius());
-    const Vec3f eye = parts.camera->position();
-    fmt::print("sensor      {} at ({:.4g}, {:.4g}, {:.4g})\n", kindOf(*parts.camera), eye.x, eye.y, eye.z);
+    fmt::print("sensor      {} at {}\n", kindOf(*parts.camera), placeText(parts.camera->position(), parts));
 }
 
 void print(const SceneParts& parts, const Census& counts, const SceneBounds* bounds) {
@@ -102,8 +112,10 @@ void print(const SceneParts& parts, const Census& counts, const SceneBounds* bou
     fmt::print("bsdfs       {}\n", countsText(counts.bsdfs));
     fmt::print("lights      {}\n", countsText(counts.lights));
     if (bounds)
-        fmt::print("bounds      sphere of radius {:.4g} around ({:.4g}, {:.4g}, {:.4g})\n", bounds->radius,
-                   bounds->center.x, bounds->center.y, bounds->center.z);
+        fmt::print("bounds      sphere of radius {:.4g} around {}\n", bounds->radius,
+                   placeText(bounds->center, parts));
+    if (const Vec3d& o = parts.origin; o != Vec3d(0.0))
+        fmt::print("origin      rendered around ({:.10g}, {:.10g}, {:.10g}), for precision\n", o.x, o.y, o.z);
     for (const std::string& warning : parts.warnings) fmt::print("warning     {}\n", warning);
 }
 
@@ -122,15 +134,17 @@ void printJson(const SceneParts& parts, const Census& counts, const SceneBounds*
                              {"warnings", parts.warnings}};
     if (parts.camera) {
         const FilmWindow& w = parts.camera->window();
-        const Vec3f eye = parts.camera->position();
+        const Vec3d eye = placeOf(parts.camera->position(), parts);
         result["film"] = {{"size", {w.fullWidth, w.fullHeight}},
                           {"crop", {w.x, w.y, w.width, w.height}},
                           {"filter", filterName(parts.filterKind)}};
         result["sensor"] = {{"type", kindOf(*parts.camera)}, {"position", {eye.x, eye.y, eye.z}}};
     }
-    if (bounds)
-        result["bounds"] = {{"radius", bounds->radius},
-                            {"center", {bounds->center.x, bounds->center.y, bounds->center.z}}};
+    if (bounds) {
+        const Vec3d center = placeOf(bounds->center, parts);
+        result["bounds"] = {{"radius", bounds->radius}, {"center", {center.x, center.y, center.z}}};
+    }
+    result["origin"] = {parts.origin.x, parts.origin.y, parts.origin.z};
     fmt::print("{}\n", result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 

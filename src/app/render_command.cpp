@@ -1,3 +1,4 @@
+#include "app/all_sensors.h"
 #include "app/commands.h"
 #include "app/interrupt.h"
 #include "app/render_options.h"
@@ -191,6 +192,7 @@ Run addRenderCommand(CLI::App& parent) {
     auto arguments = std::make_shared<RenderArguments>();
     addRenderOptions(*app, *arguments);
     return [arguments] {
+        if (wantsAllSensors(*arguments)) return renderAllSensors(*arguments);
         warnOfReplaced(arguments->files.checkpoint);
         return render(*arguments, std::nullopt);
     };

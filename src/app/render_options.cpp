@@ -131,9 +131,11 @@ void addSceneOptions(CLI::App& app, RenderArguments& a) {
                    "What the scene's data may take: 4G, 512M (default: the machine's memory)")
         ->option_text("SIZE")
         ->group(group);
-    app.add_option("--sensor", a.sensor,
-                   "Which of several sensors: its number, from 0, or its id (default: 0)")
-        ->option_text("N|ID")
+    app.add_option(
+           "--sensor", a.sensor,
+           "Which of several sensors: its number, from 0, or its id (default: 0); `render` takes\nall: "
+           "one after the other, to NAME.SENSOR.exr")
+        ->option_text("N|ID|all")
         ->group(group);
     addStrictnessOptions(app, a.lenient, a.strict, group);
 }

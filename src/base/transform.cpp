@@ -100,8 +100,16 @@ Transform Transform::fromRows(const double (&rows)[4][4], const double (&inverse
     return t;
 }
 
-Transform Transform::translate(const Vec3f& offset) {
-    const double rows[4][4] = {{1, 0, 0, offset.x}, {0, 1, 0, offset.y}, {0, 0, 1, offset.z}, {0, 0, 0, 1}};
+Vec3d settled(const Vec3d& position) {
+    Vec3d result = position;
+    for (int i = 0; i < 3; ++i)
+        if (std::abs(position[i]) <= 4096) result[i] = static_cast<float>(position[i]);
+    return result;
+}
+
+Transform Transform::translate(const Vec3d& offset) {
+    const Vec3d o = settled(offset);
+    const double rows[4][4] = {{1, 0, 0, o.x}, {0, 1, 0, o.y}, {0, 0, 1, o.z}, {0, 0, 0, 1}};
     return fromRows(rows);
 }
 
@@ -126,12 +134,12 @@ Transform Transform::rotate(const Vec3f& axis, double degrees) {
     return fromRows(rows);
 }
 
-Transform Transform::lookAt(const Vec3f& origin, const Vec3f& target, const Vec3f& up) {
-    const Imath::V3d o(origin), direction = (Imath::V3d(target) - o).normalized();
-    const Imath::V3d left = Imath::V3d(up).normalized().cross(direction).normalized();
+Transform Transform::lookAt(const Vec3d& origin, const Vec3d& target, const Vec3f& up) {
+    const Vec3d o = settled(origin), direction = (settled(target) - o).normalized();
+    const Vec3d left = Vec3d(up).normalized().cross(direction).normalized();
     if (direction.length() < 0.5 || left.length() < 0.5)
         throw Error("lookat: origin and target coincide, or up is parallel to the viewing direction");
-    const Imath::V3d newUp = direction.cross(left);
+    const Vec3d newUp = direction.cross(left);
     const double rows[4][4] = {{left.x, newUp.x, direction.x, o.x},
                                {left.y, newUp.y, direction.y, o.y},
                                {left.z, newUp.z, direction.z, o.z},
@@ -163,6 +171,13 @@ Vec3f Transform::point(const Vec3f& p) const {
     for (int i = 0; i < 4; ++i) r[i] = m_[i][0] * p.x + m_[i][1] * p.y + m_[i][2] * p.z + m_[i][3];
     const double w = r[3] == 1.0 ? 1.0 : 1.0 / r[3];
     return {float(r[0] * w), float(r[1] * w), float(r[2] * w)};
+}
+
+Vec3d Transform::exactPoint(const Vec3d& p) const {
+    double r[4];
+    for (int i = 0; i < 4; ++i) r[i] = m_[i][0] * p.x + m_[i][1] * p.y + m_[i][2] * p.z + m_[i][3];
+    const double w = r[3] == 1.0 ? 1.0 : 1.0 / r[3];
+    return {r[0] * w, r[1] * w, r[2] * w};
 }
 
 Vec3f Transform::vector(const Vec3f& v) const {

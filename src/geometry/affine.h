@@ -6,8 +6,6 @@
 
 namespace metrolux::core {
 
-using Vec3d = Imath::V3d;
-
 inline Vec3d toDouble(const Vec3f& v) { return {v.x, v.y, v.z}; }
 inline Vec3f toFloat(const Vec3d& v) {
     return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};

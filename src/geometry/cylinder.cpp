@@ -12,8 +12,8 @@ constexpr double kPiD = std::numbers::pi;
 /// the length are one.
 class Cylinder final : public AnalyticShape {
   public:
-    Cylinder(const Transform& toWorld, const Vec3f& p0, const Vec3f& p1, float radius, bool flipNormals) {
-        const Vec3f axis = p1 - p0;
+    Cylinder(const Transform& toWorld, const Vec3d& p0, const Vec3d& p1, float radius, bool flipNormals) {
+        const Vec3f axis = toFloat(p1 - p0);
         if (!(radius > 0) || !std::isfinite(radius))
             throw Error("cylinder: the radius is {}, expected > 0", radius);
         if (!(lengthSquared(axis) > 0) || !isFinite(axis)) throw Error("cylinder: p0 and p1 must differ");
@@ -108,7 +108,7 @@ class Cylinder final : public AnalyticShape {
 
 }  // namespace
 
-ShapePtr makeCylinder(const Transform& toWorld, const Vec3f& p0, const Vec3f& p1, float radius,
+ShapePtr makeCylinder(const Transform& toWorld, const Vec3d& p0, const Vec3d& p1, float radius,
                       bool flipNormals) {
     return std::make_shared<Cylinder>(toWorld, p0, p1, radius, flipNormals);
 }

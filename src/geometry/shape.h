@@ -143,11 +143,11 @@ class AnalyticShape : public Shape {
 };
 
 /// `radius` > 0. The map may rotate, translate and scale uniformly. uv as in Mitsuba.
-ShapePtr makeSphere(const Transform& toWorld, const Vec3f& center, float radius, bool flipNormals);
+ShapePtr makeSphere(const Transform& toWorld, const Vec3d& center, float radius, bool flipNormals);
 /// The unit disk in the xy plane, normal +z, under any affine map.
 ShapePtr makeDisk(const Transform& toWorld, bool flipNormals);
 /// Cylinder from p0 to p1, without caps, normals to the outside.
-ShapePtr makeCylinder(const Transform& toWorld, const Vec3f& p0, const Vec3f& p1, float radius,
+ShapePtr makeCylinder(const Transform& toWorld, const Vec3d& p0, const Vec3d& p1, float radius,
                       bool flipNormals);
 /// The square [-1,1]^2 in the xy plane, normal +z, as two triangles.
 ShapePtr makeRectangle(const Transform& toWorld, bool flipNormals);

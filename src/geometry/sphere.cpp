@@ -11,12 +11,12 @@ constexpr double kPiD = std::numbers::pi;
 
 class Sphere final : public AnalyticShape {
   public:
-    Sphere(const Transform& toWorld, const Vec3f& center, float radius, bool flipNormals)
+    Sphere(const Transform& toWorld, const Vec3d& center, float radius, bool flipNormals)
         : flip_(flipNormals) {
         if (!(radius > 0) || !std::isfinite(radius))
             throw Error("sphere: the radius is {}, expected > 0", radius);
         const Affine map(toWorld);
-        center_ = map.point(toDouble(center));
+        center_ = map.point(center);
         const double scale = map.x.length();
         const double skew =
             std::max({std::abs(map.x.dot(map.y)), std::abs(map.x.dot(map.z)), std::abs(map.y.dot(map.z)),
@@ -151,7 +151,7 @@ class Sphere final : public AnalyticShape {
 
 }  // namespace
 
-ShapePtr makeSphere(const Transform& toWorld, const Vec3f& center, float radius, bool flipNormals) {
+ShapePtr makeSphere(const Transform& toWorld, const Vec3d& center, float radius, bool flipNormals) {
     return std::make_shared<Sphere>(toWorld, center, radius, flipNormals);
 }
 

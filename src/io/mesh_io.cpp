@@ -80,9 +80,33 @@ void warnOfLostNormals(const TriangleMesh& mesh, const MeshOptions& options) {
                          lost, mesh.normals.size()));
 }
 
+/// A mesh whose triangles are not much larger than the steps of single precision where they are.
+void warnOfLostDetail(const TriangleMesh& mesh, const MeshOptions& options, const char* where) {
+    Vec3f lower, upper;
+    mesh.bounds(lower, upper);
+    const Vec3f center = (lower + upper) * 0.5f;
+    if (!(center.length() > 32 * (upper - lower).length())) return;
+    float largest = 0;
+    for (int i = 0; i < 3; ++i) largest = std::max({largest, std::abs(lower[i]), std::abs(upper[i])});
+    const double step = std::nextafter(largest, kInfinity) - largest;
+    double area = 0;
+    for (size_t i = 0; i < mesh.indices.size(); i += 3) {
+        const Vec3d p(mesh.positions[mesh.indices[i]]);
+        area += 0.5 * (Vec3d(mesh.positions[mesh.indices[i + 1]]) - p)
+                          .cross(Vec3d(mesh.positions[mesh.indices[i + 2]]) - p)
+                          .length();
+    }
+    const double side = std::sqrt(2 * area / double(mesh.primitiveCount()));
+    if (step * 64 < side) return;
+    warn(options, fmt::format("detail is lost: {} single precision has steps of {:.2g} at ({:.6g}, {:.6g}, "
+                              "{:.6g}), where its triangles have sides of about {:.2g}",
+                              where, step, center.x, center.y, center.z, side));
+}
+
 }  // namespace
 
-void finishMesh(TriangleMesh& mesh, const std::filesystem::path& path, const MeshOptions& options) {
+void finishMesh(TriangleMesh& mesh, const std::filesystem::path& path, const MeshOptions& options,
+                const std::vector<Vec3d>& exact) {
     mesh.id = path.filename().string();
     mesh.flipNormals = options.flipNormals;
     if (mesh.indices.empty()) throw Error("{}: has no faces", path.string());
@@ -91,8 +115,11 @@ void finishMesh(TriangleMesh& mesh, const std::filesystem::path& path, const Mes
             throw Error("{}: a face refers to vertex {} (counted from 0), but there are {}", path.string(),
                         index, mesh.positions.size());
     if (options.faceNormals || options.maxSmoothAngle) mesh.normals.clear();
-    if (!options.toWorld.isIdentity())
+    if (exact.empty()) warnOfLostDetail(mesh, options, "in the mesh's own coordinates");
+    for (size_t i = 0; i < exact.size(); ++i) mesh.positions[i] = Vec3f(options.toWorld.exactPoint(exact[i]));
+    if (exact.empty() && !options.toWorld.isIdentity())
         for (Vec3f& p : mesh.positions) p = options.toWorld.point(p);
+    if (!options.toWorld.isSingular()) warnOfLostDetail(mesh, options, "in the world");
     for (Vec3f& n : mesh.normals) n = normalize(options.toWorld.normal(n));
     if (options.toWorld.determinant3() < 0) keepOutside(mesh);
     if (options.maxSmoothAngle) {

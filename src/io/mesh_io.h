@@ -20,6 +20,7 @@ struct MeshOptions {
     bool faceNormals =
         false;  ///< drop the file's vertex normals; without, they are computed where the file has none
     bool flipTexCoords = false;  ///< v becomes 1 - v
+    bool exact = false;          ///< positions keep what the file has beyond single precision up to toWorld
     /// Drop the file's vertex normals, and compute new ones that are smooth across edges up to this angle
     /// between their faces, in degrees.
     std::optional<float> maxSmoothAngle;
@@ -62,7 +63,9 @@ void requireMemory(const std::filesystem::path& path, const MeshOptions& options
 /// Notes a warning where the caller wants to know.
 void warn(const MeshOptions& options, const std::string& message);
 
-/// Takes a mesh in object space to the world, settles its normals and finalizes it.
-void finishMesh(TriangleMesh& mesh, const std::filesystem::path& path, const MeshOptions& options);
+/// Takes a mesh in object space to the world, settles its normals and finalizes it. `exact`: its positions
+/// in double precision, or empty. Warns where single precision loses its shape.
+void finishMesh(TriangleMesh& mesh, const std::filesystem::path& path, const MeshOptions& options,
+                const std::vector<Vec3d>& exact = {});
 
 }  // namespace metrolux::core

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <istream>
 #include <streambuf>
 #include <string_view>
@@ -55,10 +56,19 @@ size_t joinLines(std::string& text, size_t begin, size_t& lines) {
     return end;
 }
 
+/// Zero for what is none, as tinyobjloader has it.
+double numberOf(std::string_view word) {
+    double value = 0;
+    if (word.starts_with('+')) word.remove_prefix(1);
+    std::from_chars(word.data(), word.data() + word.size(), value);
+    return value;
+}
+
 /// tinyobjloader reads what is no number as zero, and a missing coordinate too: such lines are refused here.
 /// Comments after faces, which it takes for further vertices, are blanked, and so are faces of less than
-/// three vertices: their number is returned.
-size_t checkLines(const fs::path& path, std::string& text) {
+/// three vertices: their number is returned. `exact`, if given, receives the positions, which tinyobjloader
+/// rounds.
+size_t checkLines(const fs::path& path, std::string& text, std::vector<Vec3d>* exact) {
     size_t lineNumber = 0, skipped = 0;
     const auto blank = [&text](size_t from, size_t to) {
         std::fill(text.begin() + static_cast<std::ptrdiff_t>(from),
@@ -73,6 +83,7 @@ size_t checkLines(const fs::path& path, std::string& text) {
         const bool face = keyword == "f";
         const size_t expected = keyword == "v" || keyword == "vn" || face ? 3 : keyword == "vt" ? 2 : 0;
         size_t count = 0;
+        Vec3d position(0.0);
         // What follows the coordinates, weights and colors, is not used.
         for (; expected > 0 && (face || count < expected); ++count) {
             const std::string_view word = nextWord(line);
@@ -80,7 +91,9 @@ size_t checkLines(const fs::path& path, std::string& text) {
             if (face ? !isCorner(word) : word.find_first_not_of("0123456789+-.eE") != std::string_view::npos)
                 throw Error("{}:{}: \"{}\" is not {}", path.string(), lineNumber, word,
                             face ? "a vertex of a face (v, v/vt, v//vn or v/vt/vn)" : "a number");
+            if (exact && keyword == "v") position[static_cast<int>(count)] = numberOf(word);
         }
+        if (exact && keyword == "v") exact->push_back(position);
         if (face && count < expected) {
             blank(begin, end);
             ++skipped;
@@ -106,6 +119,9 @@ size_t checkLines(const fs::path& path, std::string& text) {
 class Builder {
   public:
     explicit Builder(const MeshOptions& options) : options_(options) {}
+
+    /// Of the positions that follow; empty where single precision does.
+    std::vector<Vec3d>& exactPositions() { return exactPositions_; }
 
     void addVertex(float x, float y, float z) {
         positions_.emplace_back(x, y, z);
@@ -140,7 +156,7 @@ class Builder {
 
     std::shared_ptr<TriangleMesh> finish(const fs::path& path) {
         complete(path);
-        finishMesh(*mesh_, path, options_);
+        finishMesh(*mesh_, path, options_, exact_);
         return mesh_;
     }
 
@@ -152,8 +168,9 @@ class Builder {
         std::vector<MaterialPart> result;
         for (size_t material = 0; material < materials_.size(); ++material) {
             if (triangles[material].empty()) continue;
-            MaterialPart part{materials_[material], partOf(triangles[material])};
-            finishMesh(*part.mesh, path, options_);
+            std::vector<Vec3d> exact;
+            MaterialPart part{materials_[material], partOf(triangles[material], exact)};
+            finishMesh(*part.mesh, path, options_, exact);
             result.push_back(std::move(part));
         }
         if (result.empty()) throw Error("{}: has no faces", path.string());
@@ -167,10 +184,12 @@ class Builder {
         if (!error_.empty()) throw Error("{}: {}", path.string(), error_);
         if (normals_.empty()) mesh_->normals.clear();
         if (texCoords_.empty()) mesh_->uvs.clear();
+        if (exact_.size() != mesh_->positions.size()) exact_.clear();
     }
 
     /// Some of the triangles with the vertices that they need.
-    std::shared_ptr<TriangleMesh> partOf(const std::vector<size_t>& triangles) const {
+    std::shared_ptr<TriangleMesh> partOf(const std::vector<size_t>& triangles,
+                                         std::vector<Vec3d>& exact) const {
         auto part = std::make_shared<TriangleMesh>();
         std::unordered_map<uint32_t, uint32_t> moved;
         for (size_t i = 0; i < 3 * triangles.size(); ++i) {
@@ -178,6 +197,7 @@ class Builder {
             const auto [entry, isNew] = moved.emplace(from, static_cast<uint32_t>(moved.size()));
             if (isNew) {
                 part->positions.push_back(mesh_->positions[from]);
+                if (!exact_.empty()) exact.push_back(exact_[from]);
                 if (!mesh_->normals.empty()) part->normals.push_back(mesh_->normals[from]);
                 if (!mesh_->uvs.empty()) part->uvs.push_back(mesh_->uvs[from]);
             }
@@ -230,6 +250,8 @@ class Builder {
         corners_.push_back({texCoord, normal, vertex, first});
         first = static_cast<uint32_t>(corners_.size() - 1);
         mesh_->positions.push_back(positions_[static_cast<size_t>(position)]);
+        if (static_cast<size_t>(position) < exactPositions_.size())
+            exact_.push_back(exactPositions_[static_cast<size_t>(position)]);
         // A zero normal makes the mesh fall back on the geometric one.
         mesh_->normals.push_back(normal < 0 ? Vec3f(0.0f) : normals_[static_cast<size_t>(normal)]);
         mesh_->uvs.push_back(texCoord < 0 ? Vec2f(0.0f) : texCoords_[static_cast<size_t>(texCoord)]);
@@ -239,6 +261,7 @@ class Builder {
     const MeshOptions& options_;
     std::shared_ptr<TriangleMesh> mesh_ = std::make_shared<TriangleMesh>();
     std::vector<Vec3f> positions_, normals_;
+    std::vector<Vec3d> exactPositions_, exact_;  ///< of the file's and of the mesh's vertices
     std::vector<Vec2f> texCoords_;
     std::vector<Corner> corners_;
     std::vector<uint32_t> firstOfPosition_;
@@ -256,7 +279,7 @@ struct MemoryBuffer : std::streambuf {
 
 void parse(const fs::path& path, const MeshOptions& options, Builder& builder) {
     std::string text = readMeshFile(path, options);
-    if (const size_t skipped = checkLines(path, text))
+    if (const size_t skipped = checkLines(path, text, options.exact ? &builder.exactPositions() : nullptr))
         warn(options,
              fmt::format("{}: faces of less than three vertices are left out ({})", path.string(), skipped));
     tinyobj::callback_t callbacks;

@@ -108,7 +108,7 @@ class Reader {
             for (const float value : a.values)
                 if (!std::isfinite(value))
                     throw Error("{}: attribute {} is not finite", path_.string(), a.name);
-        finishMesh(*mesh_, path_, options_);
+        finishMesh(*mesh_, path_, options_, exact_);
         return mesh_;
     }
 
@@ -154,19 +154,24 @@ class Reader {
         const auto uv = element.find("u") >= 0           ? columns({"u", "v"})
                         : element.find("texture_u") >= 0 ? columns({"texture_u", "texture_v"})
                                                          : columns({"s", "t"});
+        const bool exact =
+            options_.exact && element.properties[position[0]].type == ply::Type::Float64;
         std::vector<std::string> reserved;
         for (const auto* used : {&position, &normal, &uv})
             for (const size_t c : *used) reserved.push_back(element.properties[c].name);
         auto attributes = findAttributes(element, reserved);
 
-        requireMemory(path_, options_, element.count, sizeof(Vec3f) + attributeBytes(attributes),
-                      "the vertices");
+        requireMemory(
+            path_, options_, element.count,
+            (exact ? sizeof(Vec3f) + sizeof(Vec3d) : sizeof(Vec3f)) + attributeBytes(attributes),
+            "the vertices");
         mesh_->positions.reserve(element.count);
         std::vector<double> row(element.properties.size());
         const auto at = [&row](size_t c) { return static_cast<float>(row[c]); };
         for (uint64_t i = 0; i < element.count; ++i) {
             readRow(element, [&row](size_t c, double value) { row[c] = value; });
             mesh_->positions.emplace_back(at(position[0]), at(position[1]), at(position[2]));
+            if (exact) exact_.emplace_back(row[position[0]], row[position[1]], row[position[2]]);
             if (!normal.empty()) mesh_->normals.emplace_back(at(normal[0]), at(normal[1]), at(normal[2]));
             if (!uv.empty()) mesh_->uvs.emplace_back(at(uv[0]), at(uv[1]));
             append(attributes, element, row);
@@ -227,6 +232,7 @@ class Reader {
     ply::Header header_;
     ply::Values values_;
     std::shared_ptr<TriangleMesh> mesh_ = std::make_shared<TriangleMesh>();
+    std::vector<Vec3d> exact_;  ///< MeshOptions::exact
 };
 
 }  // namespace

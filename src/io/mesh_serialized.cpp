@@ -166,7 +166,15 @@ std::shared_ptr<TriangleMesh> readSerialized(const fs::path& path, int shapeInde
     requireMemory(path, options, faceCount, 12, "the faces");
 
     auto mesh = std::make_shared<TriangleMesh>();
-    mesh->positions = in.vectors<Vec3f, 3>(vertexCount, doublePrecision);
+    std::vector<Vec3d> exact;
+    if (doublePrecision && options.exact) {
+        requireMemory(path, options, vertexCount, sizeof(Vec3d), "the vertices");
+        exact.resize(vertexCount);
+        in.read(exact.data(), vertexCount * sizeof(Vec3d));
+        for (const Vec3d& p : exact) mesh->positions.emplace_back(p);
+    } else {
+        mesh->positions = in.vectors<Vec3f, 3>(vertexCount, doublePrecision);
+    }
     if (flags & kHasNormals) mesh->normals = in.vectors<Vec3f, 3>(vertexCount, doublePrecision);
     if (flags & kHasTexCoords) mesh->uvs = in.vectors<Vec2f, 2>(vertexCount, doublePrecision);
     if (flags & kHasColors) {
@@ -180,7 +188,7 @@ std::shared_ptr<TriangleMesh> readSerialized(const fs::path& path, int shapeInde
 
     MeshOptions effective = options;
     if (flags & kFaceNormals) effective.faceNormals = true;
-    finishMesh(*mesh, path, effective);
+    finishMesh(*mesh, path, effective, exact);
     return mesh;
 }
 

@@ -3,6 +3,7 @@
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/parser.h"
 #include "io/mitsuba/repetitions.h"
+#include "io/mitsuba/world_origin.h"
 
 namespace metrolux::core {
 namespace {
@@ -32,8 +33,9 @@ LoadContext contextOf(const LoadOptions& options, const MemoryBudget& memory,
 
 class Loader {
   public:
-    Loader(ParsedScene parsed, const LoadOptions& options, const MemoryBudget& memory)
+    Loader(ParsedScene parsed, const LoadOptions& options, const MemoryBudget& memory, const Vec3d& origin)
         : scene_(std::move(parsed)), context_(contextOf(options, memory, scene_.searchPaths)) {
+        context_.origin = parts_.origin = origin;
         isFragment_ = options.fragment;
         chosenSensor_ = options.sensor;
         context_.warnings = std::move(scene_.warnings);
@@ -47,7 +49,9 @@ class Loader {
     }
 
     /// What the camera was made from; after run().
-    SensorSource sensorSource() const { return {sensor_, context_.searchPaths, context_.lenient}; }
+    SensorSource sensorSource() const {
+        return {sensor_, context_.searchPaths, context_.lenient, context_.origin};
+    }
 
     SceneParts run(const std::string& source) {
         integrator();
@@ -188,14 +192,27 @@ void overrideFilter(Film& film, const LoadOptions& options) {
 
 SceneParts build(ParsedScene parsed, const LoadOptions& options, const MemoryBudget& memory,
                  const std::string& source, std::vector<std::filesystem::path>* files, SensorSource* sensor) {
-    Loader loader(std::move(parsed), options, memory);
-    SceneParts parts = loader.run(source);
+    // As long as what was read is elsewhere than thought, it is read once more: one time, or twice.
+    constexpr int kAttempts = 3;
+    Vec3d origin = guessedOrigin(*parsed.root);
+    std::optional<Loader> loader;
+    SceneParts parts;
+    for (int attempt = 1; attempt <= kAttempts; ++attempt) {
+        loader.emplace(parsed, options, memory, origin);
+        parts = loader->run(source);
+        const Vec3d better = originFor(boxesOf(parts.shapes, parts.instances), origin);
+        if (better == origin) break;
+        origin = better;
+        if (attempt == kAttempts) break;
+        parts = {};
+        forgetReads(*parsed.root);
+    }
     if (options.strict) refuseWarnings(parts);
     overrideFilter(parts, options);
     if (files)
-        for (const std::filesystem::path& read : loader.files())
+        for (const std::filesystem::path& read : loader->files())
             if (read != source) files->push_back(read);
-    if (sensor) *sensor = loader.sensorSource();
+    if (sensor) *sensor = loader->sensorSource();
     return parts;
 }
 
@@ -243,6 +260,15 @@ SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& optio
     return build(std::move(parsed), options, memory, file.string(), files, sensor);
 }
 
+std::vector<std::string> sensorNames(const std::filesystem::path& file, const LoadOptions& options) {
+    MemoryBudget memory = memoryFor(options);
+    std::vector<std::string> names;
+    for (const ElementPtr& sensor :
+         parseScene(file, options.defines, options.lenient, &memory).root->childrenOf("sensor"))
+        names.push_back(sensor->id.empty() ? std::to_string(names.size()) : sensor->id);
+    return names;
+}
+
 SceneParts buildScene(ParsedScene parsed, const LoadOptions& options,
                       std::vector<std::filesystem::path>* files, SensorSource* sensor) {
     if (files) files->clear();
@@ -254,6 +280,7 @@ SceneView makeView(const SensorSource& source, const LoadOptions& options,
                    std::vector<std::string>& warnings) {
     LoadContext context = contextOf(options, memoryFor(options), source.searchPaths);
     context.lenient = source.lenient;
+    context.origin = source.origin;
     SceneParts film;
     const ElementPtr element = copyOf(*source.element);
     CameraPtr camera = makeCamera(*element, context, film);

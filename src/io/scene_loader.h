@@ -31,6 +31,7 @@ struct SensorSource {
     mitsuba::ElementPtr element;
     std::vector<std::filesystem::path> searchPaths;
     bool lenient = false;
+    Vec3d origin{0.0};  ///< SceneParts::origin
 };
 
 /// What `strict` does with the warnings so far: throws the first as an Error.
@@ -45,6 +46,10 @@ SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& optio
 /// The same of a scene that is parsed already; `files` are those besides it.
 SceneParts buildScene(mitsuba::ParsedScene parsed, const LoadOptions& options,
                       std::vector<std::filesystem::path>* files = nullptr, SensorSource* sensor = nullptr);
+
+/// What `sensor` of LoadOptions may be for each of the sensors in a file: its id, or its number. Throws
+/// Error.
+std::vector<std::string> sensorNames(const std::filesystem::path& file, const LoadOptions& options);
 
 /// The camera and the film of `source`, as loadScene() with these options makes them; the limits are the
 /// caller's. Throws Error.

@@ -42,6 +42,9 @@ struct SceneParts {
     std::vector<std::string>
         warnings;        ///< what --lenient let pass, and what was understood but has no effect
     std::string source;  ///< file name
+    /// Of the shapes, lights and camera, in the coordinates of the file: zero, unless the scene lies far from
+    /// the file's origin.
+    Vec3d origin{0.0};
 };
 
 /// What a scene may have instead of another one's, with which it shares the rest.

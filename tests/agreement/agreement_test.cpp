@@ -109,6 +109,7 @@ const char* const kGlossy =
 const char* const kDirectLight = "the others: the scene is for the choice of lights by next-event estimation";
 const char* const kSameAsCbox = "the others: the same room in other colors as cbox";
 const char* const kLikeCornellBox = "path chains: cornell_box is alike";
+const char* const kLikePanorama = "the others: panorama is alike";
 const char* const kMergingNeeded =
     "path, bdpt, pssmlt, mmlt: find no light or hardly any through specular, "
     "diffuse, specular vertices";
@@ -123,6 +124,8 @@ const std::vector<Case> kCases{
     {"textured", "textured/scene.xml", false, kWithPathChains, kGlossy},
     {"water_sds", "water-sds/scene.xml", false, kMergingOnly, kMergingNeeded},
     {"lamps", "../tests/agreement/lamps.xml", false, kConnections, kDirectLight},
+    {"panorama", "../tests/agreement/panorama.xml", false, kEverything},
+    {"fisheye", "../tests/agreement/fisheye.xml", false, kCore, kLikePanorama},
     {"cornell_box", "cornell-box/scene.xml", true, kEverything},
     {"veach_mis", "veach-mis/scene.xml", true, kSplitAlone, kGlossy},
     {"veach_bidir", "veach-bidir/scene.xml", true, kWithPhotons, kRare},

@@ -66,6 +66,39 @@ TEST(ApiScene, PixelsStandForFiles) {
     EXPECT_THAT(errorOf([&] { metrolux::Scene::make(with("fle", image)); }), HasSubstr("no \"filename\""));
 }
 
+TEST(ApiScene, FarFromTheOriginCamerasAreWhereTheirCoordinatesSay) {
+    // As ball(), far away: all that has a place is moved there.
+    const metrolux::Transform there = metrolux::Transform::translate({2e6, 0, -1e6});
+    const auto object = [](const Object& scene, const char* name) {
+        return *std::get<std::shared_ptr<const Object>>(scene.find(name)->data());
+    };
+    Object far = ball();
+    for (const char* name : {"camera", "floor", "lamp"}) {
+        Object part = object(far, name);
+        const auto own = std::get<metrolux::Transform>(part.find("to_world")->data());
+        far.set(name, part.set("to_world", there * own));
+    }
+    far.set("ball", object(far, "ball").set("center", Vector{2e6, 0.7, -1e6}));
+    const metrolux::Scene scene = metrolux::Scene::make(far);
+    const auto place = metrolux::Transform::lookAt({2e6 + 1, 2, -1e6 + 4}, {2e6, 0.5, -1e6}, {0, 1, 0});
+    const metrolux::Scene moved = scene.withCamera(place);
+    EXPECT_TRUE(moved.sharesGeometryWith(scene));
+    Object fresh = far;
+    fresh.set("camera", object(far, "camera").set("to_world", place));
+    const std::vector<float> image = rendered(moved, mcmc(), 4);
+    EXPECT_EQ(image, rendered(metrolux::Scene::make(fresh), mcmc(), 4));
+    Object near = ball();
+    near.set("camera", object(near, "camera")
+                           .set("to_world", metrolux::Transform::lookAt({1, 2, 4}, {0, 0.5, 0}, {0, 1, 0})));
+    double difference = 0, sum = 0;
+    const std::vector<float> reference = rendered(metrolux::Scene::make(near), mcmc(), 4);
+    for (size_t i = 0; i < image.size(); ++i) {
+        difference += double(image[i]) - double(reference[i]);
+        sum += double(reference[i]);
+    }
+    EXPECT_LT(std::abs(difference), 0.1 * sum);
+}
+
 TEST(ApiScene, ChangesOfTheViewShareTheGeometryAndEqualAFreshScene) {
     const metrolux::Scene scene = metrolux::Scene::make(ball());
     // Far outside: the infinite light's disk grows with the bounds, and that of `scene` may not.

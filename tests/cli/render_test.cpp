@@ -39,6 +39,38 @@ TEST_F(CliTest, RendersToTheFilesThatAreNamed) {
     EXPECT_TRUE(fs::exists(folder / "other.exr")) << "named after the scene";
 }
 
+TEST_F(CliTest, EverySensorHasAnImageOfItsName) {
+    const auto sensor = [](const char* attributes, const char* width) {
+        return fmt::format(
+            R"(<sensor type="perspective"{}><film type="hdrfilm"><integer name="width" value="{}"/>
+<integer name="height" value="4"/></film><transform name="to_world">
+<lookat origin="1e6 0 -4" target="1e6 0 0" up="0 1 0"/></transform></sensor>)",
+            attributes, width);
+    };
+    write("many.xml", R"(<scene version="3.0.0">)" + sensor(R"( id="a/b")", "5") + sensor("", "6") +
+                          R"(<shape type="sphere"><point name="center" x="1e6" y="0" z="0"/></shape>
+<emitter type="constant"/></scene>)");
+    const std::vector<std::string> all{"render", "many.xml", "--sensor", "all", "--passes", "1"};
+    const auto with = [&](std::vector<std::string> more) {
+        std::vector<std::string> words = all;
+        words.insert(words.end(), more.begin(), more.end());
+        return run(words);
+    };
+    EXPECT_EQ(with({}).status, 0);
+    EXPECT_EQ(readImage(folder / "many.a_b.exr", false).width, 5);
+    EXPECT_EQ(readImage(folder / "many.1.exr", false).width, 6);
+    EXPECT_EQ(with({"-o", "x.png", "--stats", "s.json"}).status, 0);
+    EXPECT_TRUE(fs::exists(folder / "x.a_b.png") && fs::exists(folder / "s.1.json"));
+    EXPECT_THAT(with({"--checkpoint", "c"}).err, HasSubstr("name one sensor"));
+
+    // Positions are the file's, although the scene is built around an origin of its own.
+    const nlohmann::json info = nlohmann::json::parse(run({"info", "many.xml", "--json"}).out);
+    EXPECT_NEAR(info["origin"][0].get<double>(), 1e6, 4);
+    EXPECT_EQ(info["sensor"]["position"], nlohmann::json({1e6, 0.0, -4.0}));
+    EXPECT_NEAR(info["bounds"]["center"][0].get<double>(), 1e6, 0.1);
+    EXPECT_THAT(run({"info", "many.xml"}).out, HasSubstr("at (1000000, 0, -4)"));
+}
+
 TEST_F(CliTest, ThreadsDoNotChangeTheImageOfAnyIntegrator) {
     for (const std::string& name : integratorNames()) {
         for (const char* threads : {"1", "2"}) {

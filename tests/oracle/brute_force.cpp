@@ -64,7 +64,7 @@ struct BruteForce::Geometry {
         : path(fullPath),
           m(static_cast<int>(path.inner.size())),
           eye(oracle.lens.point(path.uLens)),
-          infiniteEye(oracle.lens.isOrthographic),
+          infiniteEye(oracle.lens.kind == Lens::Orthographic),
           axis(oracle.lens.axis) {}
 
     const FullPath& path;

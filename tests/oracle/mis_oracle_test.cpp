@@ -29,10 +29,11 @@ struct Case {
 };
 
 std::string nameOf(const Case& c) {
-    constexpr std::array kLights{"Area",      "SphereArea", "TexturedArea",      "Point",    "Spot",
-                                 "Projector", "Collimated", "Directional",       "Constant", "EnvironmentMap",
-                                 "SunSky",    "Many",       "ManyAndEnvironment"};
-    constexpr std::array kLenses{"", "ThinLens", "Orthographic"};
+    constexpr std::array kLights{"Area",        "SphereArea",        "TexturedArea",   "Point",
+                                 "Spot",        "Projector",         "Collimated",     "Goniometric",
+                                 "Directional", "Constant",          "EnvironmentMap", "SunSky",
+                                 "Many",        "ManyAndEnvironment"};
+    constexpr std::array kLenses{"", "ThinLens", "Orthographic", "Panorama", "Fisheye"};
     constexpr std::array kMaterials{"", "MixedLobes", "ShadingNormals", "Layered"};
     std::string name = kLights[static_cast<size_t>(c.lighting)];
     name += kLenses[static_cast<size_t>(c.lens)];
@@ -50,8 +51,9 @@ std::vector<Case> everyLight() {
          {Lighting::Area, Lighting::SphereArea, Lighting::Point, Lighting::Directional, Lighting::Constant})
         for (const bool merging : {false, true})
             for (const double connect : {1.0, 0.25}) cases.push_back({l, merging, connect});
-    for (const Lighting l : {Lighting::TexturedArea, Lighting::Spot, Lighting::Projector,
-                             Lighting::Collimated, Lighting::EnvironmentMap, Lighting::SunSky})
+    for (const Lighting l :
+         {Lighting::TexturedArea, Lighting::Spot, Lighting::Projector, Lighting::Collimated,
+          Lighting::Goniometric, Lighting::EnvironmentMap, Lighting::SunSky})
         cases.push_back({l, true, 0.25, Lens::Pinhole, Materials::Plain, 3000, 1.7});
     return cases;
 }
@@ -59,7 +61,7 @@ std::vector<Case> everyLight() {
 std::vector<Case> everyCombination() {
     std::vector<Case> cases;
     for (const Lighting l : {Lighting::Area, Lighting::Many, Lighting::ManyAndEnvironment})
-        for (const Lens lens : {Lens::Pinhole, Lens::Thin, Lens::Orthographic})
+        for (const Lens lens : {Lens::Pinhole, Lens::Thin, Lens::Orthographic, Lens::Panorama, Lens::Fisheye})
             for (const Materials m :
                  {Materials::Plain, Materials::Mixed, Materials::Shading, Materials::Layered}) {
                 if (l == Lighting::Area && lens == Lens::Pinhole && m == Materials::Plain) continue;

@@ -1,6 +1,8 @@
 #include "oracle/oracle_scene.h"
 
 #include "base/warp.h"
+#include "endpoint/goniometric_light.h"
+#include "endpoint/wide_cameras.h"
 #include "scattering/blend.h"
 #include "scattering/coating.h"
 #include "scattering/conductor.h"
@@ -182,6 +184,12 @@ void addLight(SceneBuilder& b, Lighting lighting) {
             b.light(makeCollimatedLight(p));
             break;
         }
+        case Lighting::Goniometric:
+            b.light(makeGoniometricLight(
+                {downward({0.4f, 3, 0.3f}),
+                 Rgb(3),
+                 {{0, 30, 60, 100}, {0, 90, 180}, {1, 2, 1, 0, 2, 3, 0, 0, 1, 1, 1, 2}}}));
+            break;
         case Lighting::Directional: {
             DirectionalLightParameters p;
             p.direction = normalize(Vec3f(0.2f, -1, -0.1f));
@@ -246,14 +254,27 @@ OracleScene makeOracleScene(Lighting lighting, Lens lens, Materials materials) {
     result.lens.axis = normalize(target - origin);
     result.lens.x = normalize(cross(Vec3f(0, 1, 0), result.lens.axis));
     result.lens.y = cross(result.lens.axis, result.lens.x);
+    result.lens.kind = lens;
     if (lens == Lens::Orthographic) {
         constexpr float kHalfWidth = 2.2f;
         OrthographicParameters p;
         p.toWorld =
             Transform::lookAt(origin, target, {0, 1, 0}) * Transform::scale({kHalfWidth, kHalfWidth, 1});
         b.camera(makeOrthographicCamera(p, window));
-        result.lens.isOrthographic = true;
         result.lens.imageArea = 4.0 * kHalfWidth * kHalfWidth * kShape;
+    } else if (lens == Lens::Panorama) {
+        // The part around the middle, in which there is something to see.
+        constexpr int kWhole = 5 * kImageWidth;
+        const FilmWindow part{
+            kWhole,      kWhole / 2,  (kWhole - kImageWidth) / 2, (kWhole / 2 - kImageHeight) / 2,
+            kImageWidth, kImageHeight};
+        b.camera(makePanoramaCamera({Transform::lookAt(origin, target, {0, 1, 0})}, part));
+        result.lens.imageArea = 2 * sqr(std::numbers::pi) * part.pixelCount() / (kWhole * kWhole / 2);
+    } else if (lens == Lens::Fisheye) {
+        constexpr float kAperture = 80;
+        b.camera(makeFisheyeCamera({Transform::lookAt(origin, target, {0, 1, 0})}, kAperture, window));
+        const double height = double(kAperture) * std::numbers::pi / 180;
+        result.lens.imageArea = height * height / kShape;
     } else {
         constexpr float kFov = 50;
         PerspectiveParameters p;

@@ -1,5 +1,5 @@
 #pragma once
-/// Small scenes in which all techniques meet: lights of every kind, alone and together, three cameras,
+/// Small scenes in which all techniques meet: lights of every kind, alone and together, five cameras,
 /// materials with and without delta lobes.
 
 #include "scene/scene.h"
@@ -19,6 +19,7 @@ enum class Lighting {
     Spot,
     Projector,
     Collimated,
+    Goniometric,
     Directional,
     Constant,
     EnvironmentMap,
@@ -26,7 +27,7 @@ enum class Lighting {
     Many,               ///< with a place: all are in the light tree
     ManyAndEnvironment  ///< a light tree, a directional light and an environment
 };
-enum class Lens { Pinhole, Thin, Orthographic };
+enum class Lens { Pinhole, Thin, Orthographic, Panorama, Fisheye };
 enum class Materials {
     Plain,    ///< each either delta or not
     Mixed,    ///< smooth coats, blends and masks: delta and other lobes at one point
@@ -36,16 +37,23 @@ enum class Materials {
 
 /// The camera, described once more: its densities are computed here from its parameters.
 struct OracleLens {
-    bool isOrthographic = false;
+    Lens kind = Lens::Pinhole;
     Vec3f origin{0.0f}, x{0.0f}, y{0.0f}, axis{0.0f};
     double radius = 0;     ///< of the lens
-    double imageArea = 1;  ///< of the image on the plane at distance 1; orthographic: in the world
+    double imageArea = 1;  ///< of the image on the plane at distance 1; orthographic: in the world;
+                           ///< others: of longitude and latitude, of
+                           ///< the angle from the axis around it
 
     /// A point of the lens; all of an orthographic camera's rays are parallel to `axis` instead.
     Vec3f point(const Vec2f& uLens) const;
     /// Per solid angle, of the direction `w` into the scene, over the whole image.
     double pdfDirection(const Vec3f& w) const {
-        const double cosine = double(dot(w, axis));
+        const double cosine = double(dot(w, axis)), across = double(dot(w, x)), up = double(dot(w, y));
+        if (kind == Lens::Panorama) return 1 / (imageArea * std::hypot(across, cosine));
+        if (kind == Lens::Fisheye) {
+            const double sine = std::hypot(across, up);
+            return std::atan2(sine, cosine) / (imageArea * sine);
+        }
         return 1 / (imageArea * cosine * cosine * cosine);
     }
     /// Per area perpendicular to the axis.

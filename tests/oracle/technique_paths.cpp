@@ -33,8 +33,10 @@ void TechniquePaths::run(uint64_t index) {
     eye_ = {};
     light_ = {};
     const PathLimits& limits = scene_.parts().limits;
+    const FilmWindow& window = scene_.camera().window();
     const float x = rng_.next1D() * kImageWidth, y = rng_.next1D() * kImageHeight;
-    traceEyeSubpath(scene_, eyeStream, limits, n_, Vec2f(x, y), 1, 0, eye_);
+    const Vec2f raster(static_cast<float>(window.x) + x, static_cast<float>(window.y) + y);
+    traceEyeSubpath(scene_, eyeStream, limits, n_, raster, 1, 0, eye_);
     eyeStream.seek(0);
     eyeStream.next2D();
     uLens_ = eyeStream.next2D();

@@ -1,6 +1,7 @@
 #include "io/mitsuba/context.h"
 
 #include "io/mitsuba/parser.h"
+#include "io/mitsuba/world_origin.h"
 
 namespace metrolux::core::mitsuba {
 
@@ -34,6 +35,15 @@ ImageData LoadContext::image(const Element& element, bool raw) {
                         data->pixels.size(), data->width, data->height, data->channels));
     memory.take(size * sizeof(float), "the image");
     return {data->width, data->height, data->channels, {data->pixels.begin(), data->pixels.end()}};
+}
+
+Transform LoadContext::toWorld(const Element& element, bool mayFlatten) const {
+    return movedBy(-origin, element.transform("to_world", mayFlatten));
+}
+
+Vec3f LoadContext::place(const Element& element, const Vec3d& position) const {
+    requirePlaceable(element, position, position);
+    return Vec3f(position - origin);
 }
 
 }  // namespace metrolux::core::mitsuba

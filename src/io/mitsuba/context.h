@@ -32,6 +32,9 @@ struct LoadContext {
         searchPaths;  ///< <path> elements, the last first; then the scene's folder
     FilmOverride film;
     bool lenient = false;
+    /// Where the origin of what is being built lies, in the coordinates of the file: those of the scene, or
+    /// of the shapegroup within which shapes are built (world_origin.h).
+    Vec3d origin{0.0};
     MemoryBudget memory = MemoryBudget::unlimited();  ///< what meshes, images and instances are booked on
     std::vector<std::string> warnings;
     /// Built objects by element, so that a shared <ref> is built once.
@@ -47,6 +50,10 @@ struct LoadContext {
     /// The image of a texture or an environment map: that of "filename", as readImage() has it, or the pixels
     /// of "data". Throws Error.
     ImageData image(const Element& element, bool raw);
+    /// "to_world", into what is being built. As Element::transform().
+    Transform toWorld(const Element& element, bool mayFlatten = false) const;
+    /// A point of the file's world. Throws Error where nothing can be.
+    Vec3f place(const Element& element, const Vec3d& position) const;
     void warn(const Element& element, const std::string& message) {
         warnings.emplace_back(element.error(message).what());
     }

@@ -61,7 +61,7 @@ ShapePtr makeHeightfield(const Element& element, LoadContext& context) {
 
     MeshOptions options;
     options.memory = &context.memory;
-    options.toWorld = element.transform("to_world", true);
+    options.toWorld = context.toWorld(element, true);
     options.flipNormals = element.boolean("flip_normals", false);
     options.faceNormals = !element.boolean("shading_normals", true);
     requireMemory(element.location.file, options, heights.values.size(), 128, "the heightfield");

@@ -25,9 +25,9 @@ constexpr size_t kMaxProperties = 4096;                // of one element: names 
 const std::vector<std::string> kObjectTags = {"integrator", "sensor", "film", "rfilter", "sampler",
                                               "emitter",    "shape",  "bsdf", "texture"};
 const std::vector<std::string> kMediumTags = {"medium", "phase", "volume", "subsurface"};
-const std::vector<std::string> kOtherTags = {"scene",    "default",   "include", "path",   "alias",    "ref",
-                                             "integer",  "float",     "boolean", "string", "rgb",      "srgb",
-                                             "spectrum", "blackbody", "point",   "vector", "transform"};
+const std::vector<std::string> kOtherTags = {
+    "scene",  "default", "include", "path",     "alias",     "ref",   "integer", "float",     "boolean",
+    "string", "rgb",     "srgb",    "spectrum", "blackbody", "point", "vector",  "transform", "animation"};
 const std::vector<std::string> kTransformTags = {"translate", "rotate", "scale", "matrix", "lookat"};
 
 bool contains(const std::vector<std::string>& list, const std::string& name) {
@@ -155,6 +155,10 @@ class Parser {
             located(file, node, [&] { addNamed(file, node, parent, attributes["name"], value); });
             return;
         }
+        if (tag == "animation") {
+            animation(file, node, parent);
+            return;
+        }
         if (node.first_child() && contains(kOtherTags, tag))
             throw nodeError(file.source, node, "expected nothing inside this element");
         if (tag == "include") {
@@ -217,6 +221,20 @@ class Parser {
         }
         references_.addElement(element);
         addElement(file, node, parent, name, element);
+    }
+
+    /// Scenes do not move: the first of its transforms stands for all.
+    void animation(const File& file, pugi::xml_node node, Element& parent) {
+        const Attributes attributes(file.source, node, parameters_, {"name"});
+        const pugi::xml_node first = node.child("transform");
+        if (!first) throw nodeError(file.source, node, "has no <transform>, expected one at least");
+        for (const pugi::xml_node child : node.children("transform"))
+            Attributes(file.source, child, parameters_, {"time"});
+        const Transform value = parseTransform(file.source, first, parameters_, file.isLegacy());
+        located(file, node, [&] { addNamed(file, node, parent, attributes["name"], value); });
+        if (first.next_sibling("transform"))
+            warnings_.emplace_back(
+                nodeError(file.source, node, "scenes do not move: the first of its transforms holds").what());
     }
 
     void include(const File& file, pugi::xml_node node, Element& parent, int depth) {
@@ -299,14 +317,15 @@ class Parser {
         }
     }
 
-    static Vec3f vector(const Attributes& attributes) {
+    static Vec3d vector(const Attributes& attributes) {
         const bool x = attributes.has("x"), y = attributes.has("y"), z = attributes.has("z");
         if (attributes.has("value")) {
             if (x || y || z) throw Error("found value together with x, y or z, expected one form");
-            return parseVec3(attributes["value"]);
+            return settled(parseVec3(attributes["value"]));
         }
         if (!x || !y || !z) throw Error("expected the attributes x, y and z, or value");
-        return {parseFloat(attributes["x"]), parseFloat(attributes["y"]), parseFloat(attributes["z"])};
+        return settled({parseWithinFloat(attributes["x"]), parseWithinFloat(attributes["y"]),
+                        parseWithinFloat(attributes["z"])});
     }
 
     SpectrumValue spectrum(const File& file, const Attributes& attributes) const {

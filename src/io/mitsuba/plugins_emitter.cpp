@@ -1,5 +1,7 @@
+#include "endpoint/goniometric_light.h"
 #include "endpoint/lights.h"
 #include "image/image_io.h"
+#include "io/ies_file.h"
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/field_of_view.h"
 #include "io/mitsuba/plugins_sunsky.h"
@@ -13,7 +15,7 @@ namespace {
 
 const std::vector<std::string> kEmitterTypes = {"point",  "spot",      "directional", "constant",
                                                 "envmap", "projector", "collimated",  "sunsky",
-                                                "sky",    "sun",       "area"};
+                                                "sky",    "sun",       "goniometric", "area"};
 
 /// Re-throws what the library says about parameters with the place in the scene.
 template <class Make>
@@ -35,11 +37,18 @@ Rgb emissionColor(const Element& element, const std::string& name, LoadContext& 
     return texture->mean();
 }
 
-Transform similarity(const Element& element, const std::string& name) {
-    const Transform toWorld = element.transform(name);
+Transform similarity(const Element& element, const LoadContext& context) {
+    const Transform toWorld = context.toWorld(element);
     if (!isSimilarity(toWorld))
-        throw element.error("\"" + name +
-                            "\" may rotate, translate, mirror and scale uniformly, found another map");
+        throw element.error(
+            "\"to_world\" may rotate, translate, mirror and scale uniformly, found another map");
+    return toWorld;
+}
+
+/// The same for an emitter that is at a place.
+Transform placement(const Element& element, const LoadContext& context) {
+    const Transform toWorld = similarity(element, context);
+    context.place(element, context.origin + toWorld.exactPoint(Vec3d(0.0)));
     return toWorld;
 }
 
@@ -47,15 +56,16 @@ LightPtr makePoint(const Element& element, LoadContext& context) {
     PointLightParameters p;
     if (element.has("position") && element.has("to_world"))
         throw element.error("found \"position\" and \"to_world\", expected one of them");
-    p.position = element.has("position") ? element.vector("position", p.position)
-                                         : element.transform("to_world").point(Vec3f(0.0f));
+    p.position = context.place(element, element.has("position")
+                                            ? element.point("position", Vec3d(0.0))
+                                            : element.transform("to_world").exactPoint(Vec3d(0.0)));
     p.intensity = emissionColor(element, "intensity", context, p.intensity);
     return makePointLight(p);
 }
 
 LightPtr makeSpot(const Element& element, LoadContext& context) {
     SpotLightParameters p;
-    p.toWorld = similarity(element, "to_world");
+    p.toWorld = placement(element, context);
     p.intensity = emissionColor(element, "intensity", context, p.intensity);
     p.cutoffAngle = element.number("cutoff_angle", p.cutoffAngle);
     p.beamWidth = element.number("beam_width", p.cutoffAngle * 0.75f);
@@ -79,7 +89,7 @@ LightPtr makeConstant(const Element& element, LoadContext& context) {
 
 LightPtr makeEnvmap(const Element& element, LoadContext& context) {
     EnvironmentMapParameters p;
-    p.toWorld = similarity(element, "to_world");
+    p.toWorld = similarity(element, context);
     p.scale = element.number("scale", 1);
     element.ignore("mis_compensation");  // a choice of sampling density only
     const ImageData image = context.image(element, false);
@@ -106,7 +116,7 @@ LightPtr makeEnvmap(const Element& element, LoadContext& context) {
 
 LightPtr makeProjectorLight(const Element& element, LoadContext& context) {
     ProjectorParameters p;
-    p.toWorld = similarity(element, "to_world");
+    p.toWorld = placement(element, context);
     p.irradiance = emissionProperty(element, "irradiance", context, Rgb(1.0f));
     p.scale = element.number("scale", 1);
     const Vec2i size = p.irradiance->resolution();
@@ -115,9 +125,20 @@ LightPtr makeProjectorLight(const Element& element, LoadContext& context) {
     return makeProjector(p);
 }
 
+/// Neither Mitsuba's, nor another one's parameters: a luminaire of a manufacturer's file.
+LightPtr makeGoniometric(const Element& element, LoadContext& context) {
+    GoniometricLightParameters p;
+    p.toWorld = placement(element, context);
+    p.scale = emissionColor(element, "intensity", context, Rgb(1.0f));
+    std::vector<std::string> warnings;
+    p.web = readIes(context.resolve(element, element.requiredString("filename")), warnings, &context.memory);
+    for (const std::string& warning : warnings) context.warn(element, warning);
+    return makeGoniometricLight(std::move(p));
+}
+
 LightPtr makeCollimated(const Element& element, LoadContext& context) {
     return makeCollimatedLight(
-        {element.transform("to_world"), emissionColor(element, "power", context, Rgb(1.0f))});
+        {context.toWorld(element), emissionColor(element, "power", context, Rgb(1.0f))});
 }
 
 void readSamplingWeight(const Element& element, LoadContext& context) {
@@ -137,6 +158,7 @@ LightPtr makeLight(const Element& element, LoadContext& context) {
     if (element.type == "constant") make = makeConstant;
     if (element.type == "envmap") make = makeEnvmap;
     if (element.type == "projector") make = makeProjectorLight;
+    if (element.type == "goniometric") make = makeGoniometric;
     if (element.type == "collimated") make = makeCollimated;
     if (element.type == "sunsky" || element.type == "sky" || element.type == "sun") make = makeSunSkyLight;
     if (element.type == "area") throw element.error("an area light has to be nested in the shape that emits");

@@ -1,13 +1,16 @@
+#include "endpoint/wide_cameras.h"
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/field_of_view.h"
 #include "io/mitsuba/unknown_plugins.h"
+#include "io/mitsuba/world_origin.h"
 
 namespace metrolux::core::mitsuba {
 
 namespace {
 
 constexpr int64_t kMaxPixels = int64_t(1) << 28;
-const std::vector<std::string> kSensorTypes = {"perspective", "thinlens", "orthographic"};
+const std::vector<std::string> kSensorTypes = {"perspective", "thinlens", "orthographic", "spherical",
+                                               "fisheye"};
 const std::vector<std::string> kFilmTypes = {"hdrfilm", "specfilm", "ldrfilm"};
 constexpr uint64_t kFilmPixelBytes = 128;  // allowance for what a Film keeps of one
 
@@ -185,7 +188,7 @@ void bookFilm(const Element& element, LoadContext& context, const FilmWindow& wi
 
 CameraPtr makePerspective(const Element& element, LoadContext& context, const FilmWindow& window) {
     PerspectiveParameters p;
-    p.toWorld = element.transform("to_world");
+    p.toWorld = context.toWorld(element);
     if (!isSimilarity(p.toWorld)) throw element.error("\"to_world\" of a camera may not scale or shear");
     if (p.toWorld.hasScale()) context.warn(element, "the scale in \"to_world\" of the camera has no effect");
     const FieldOfView fov = readFieldOfView(element);
@@ -204,10 +207,31 @@ CameraPtr makePerspective(const Element& element, LoadContext& context, const Fi
 
 CameraPtr makeOrthographic(const Element& element, LoadContext& context, const FilmWindow& window) {
     OrthographicParameters p;
-    p.toWorld = element.transform("to_world");
+    p.toWorld = context.toWorld(element);
     readClips(element, context, p.nearClip);
     element.ignore("focus_distance");
     return makeOrthographicCamera(p, window);
+}
+
+/// 0.6's "spherical", and "fisheye", which neither Mitsuba has but plugins of others do.
+CameraPtr makeWide(const Element& element, LoadContext& context, const FilmWindow& window) {
+    WideCameraParameters p;
+    p.toWorld = context.toWorld(element);
+    if (!isSimilarity(p.toWorld)) throw element.error("\"to_world\" of a camera may not scale or shear");
+    if (p.toWorld.hasScale()) context.warn(element, "the scale in \"to_world\" of the camera has no effect");
+    if (element.has("near_clip") || element.has("far_clip")) {
+        p.nearClip = 1e-2f;
+        readClips(element, context, p.nearClip);
+    }
+    if (element.type == "spherical") return makePanoramaCamera(p, window);
+    const char* const angle = element.has("fov") ? "fov" : "aperture";
+    return makeFisheyeCamera(p, element.number(angle, 180), window);
+}
+
+CameraPtr makeProjection(const Element& element, LoadContext& context, const FilmWindow& window) {
+    if (element.type == "orthographic") return makeOrthographic(element, context, window);
+    if (element.type == "spherical" || element.type == "fisheye") return makeWide(element, context, window);
+    return makePerspective(element, context, window);
 }
 
 }  // namespace
@@ -234,13 +258,14 @@ CameraPtr makeCamera(const Element& element, LoadContext& context, SceneParts& p
 
     CameraPtr camera;
     try {
-        camera = element.type == "orthographic" ? makeOrthographic(element, context, window)
-                                                : makePerspective(element, context, window);
+        camera = makeProjection(element, context, window);
     } catch (const Error& problem) {
         const std::string message = problem.what();
         if (message.starts_with(element.location.file)) throw;
         throw element.error(message);
     }
+    const Vec3d position = Vec3d(camera->position()) + context.origin;
+    requirePlaceable(element, position, position);
     element.checkAllUsed(context.lenient, context.warnings);
     return camera;
 }

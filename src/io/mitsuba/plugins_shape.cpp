@@ -6,6 +6,7 @@
 #include "io/mitsuba/heightfield.h"
 #include "io/mitsuba/mesh_attributes.h"
 #include "io/mitsuba/unknown_plugins.h"
+#include "io/mitsuba/world_origin.h"
 #include "scattering/diffuse.h"
 #include "scattering/textures/constant.h"
 
@@ -20,7 +21,8 @@ using MakeShape = ShapePtr (*)(const Element&, LoadContext&);
 MeshOptions meshOptions(const Element& element, LoadContext& context, bool flipTexCoords) {
     MeshOptions options;
     options.memory = &context.memory;
-    options.toWorld = element.transform("to_world", true);
+    options.toWorld = context.toWorld(element, true);
+    options.exact = context.origin != Vec3d(0.0);
     options.flipNormals = element.boolean("flip_normals", false);
     options.faceNormals = element.boolean("face_normals", false);
     if (element.version == 2 && element.has("disable_vertex_normals"))  // of 2.0
@@ -49,9 +51,8 @@ auto readMesh(const Element& element, LoadContext& context, bool flipTexCoords, 
 struct Placement {
     Transform toWorld;
     bool flipNormals;
-    explicit Placement(const Element& element) : Placement(element, false) {}
-    Placement(const Element& element, bool mayFlatten)
-        : toWorld(element.transform("to_world", mayFlatten)),
+    Placement(const Element& element, const LoadContext& context, bool mayFlatten = false)
+        : toWorld(context.toWorld(element, mayFlatten)),
           flipNormals(element.boolean("flip_normals", false)) {}
 };
 
@@ -78,25 +79,25 @@ ShapePtr makeMeshShape(const Element& element, LoadContext& context) {
     return meshOfArrays(element.requiredArrays("arrays"), meshOptions(element, context, false));
 }
 
-ShapePtr makeSphereShape(const Element& element, LoadContext&) {
-    const Placement placement(element);
+ShapePtr makeSphereShape(const Element& element, LoadContext& context) {
+    const Placement placement(element, context);
     // A map that mirrors turns the normals in 2.x and 3.x, but not in 0.6.
     const bool turns = element.isLegacy() && placement.toWorld.determinant3() < 0;
-    return makeSphere(placement.toWorld, element.vector("center", Vec3f(0.0f)),
-                      element.number("radius", 1.0f), placement.flipNormals != turns);
+    return makeSphere(placement.toWorld, element.point("center", Vec3d(0.0)), element.number("radius", 1.0f),
+                      placement.flipNormals != turns);
 }
 
-ShapePtr makeCylinderShape(const Element& element, LoadContext&) {
-    const Placement placement(element);
-    return makeCylinder(placement.toWorld, element.vector("p0", Vec3f(0, 0, 0)),
-                        element.vector("p1", Vec3f(0, 0, 1)), element.number("radius", 1.0f),
+ShapePtr makeCylinderShape(const Element& element, LoadContext& context) {
+    const Placement placement(element, context);
+    return makeCylinder(placement.toWorld, element.point("p0", Vec3d(0, 0, 0)),
+                        element.point("p1", Vec3d(0, 0, 1)), element.number("radius", 1.0f),
                         placement.flipNormals);
 }
 
 /// Shapes that a placement describes completely.
 template <ShapePtr (*Make)(const Transform&, bool)>
-ShapePtr makePlaced(const Element& element, LoadContext&) {
-    const Placement placement(element, true);
+ShapePtr makePlaced(const Element& element, LoadContext& context) {
+    const Placement placement(element, context, true);
     return Make(placement.toWorld, placement.flipNormals);
 }
 
@@ -223,6 +224,8 @@ std::vector<ShapePtr> makeShapes(const Element& element, LoadContext& context,
     std::vector<ShapePtr> result;
     for (const ShapePart& part : parts) {
         Shape& shape = *part.shape;
+        const Box box = boxOf(shape);
+        requirePlaceable(element, box.lower + context.origin, box.upper + context.origin);
         shape.id =
             element.id.empty() ? fmt::format("{} at {}", element.type, element.location.str()) : element.id;
         // As in Mitsuba, a light without a BSDF does not reflect.
@@ -257,10 +260,13 @@ std::vector<ElementPtr> shapesOf(const Element& element, LoadContext& context) {
     return result;
 }
 
-std::shared_ptr<const ShapeGroup> makeGroup(const Element& element, LoadContext& context) {
-    if (const auto found = context.built.find(&element); found != context.built.end())
-        return std::static_pointer_cast<const ShapeGroup>(found->second);
-    auto group = std::make_shared<ShapeGroup>();
+/// A group and where its origin lies in the file's coordinates of the group.
+struct BuiltGroup {
+    ShapeGroup shapes;
+    Vec3d origin{0.0};
+};
+
+void fillGroup(ShapeGroup& group, const Element& element, LoadContext& context) {
     for (const ElementPtr& child : shapesOf(element, context)) {
         if (child->type == kGroup || child->type == kInstance)
             throw child->error(fmt::format("a shapegroup cannot contain a {}", child->type));
@@ -268,10 +274,30 @@ std::shared_ptr<const ShapeGroup> makeGroup(const Element& element, LoadContext&
             throw child->error(
                 "shapes of a shapegroup cannot be emitters: each instance would be a light of its own");
         std::vector<LightPtr> none;
-        for (ShapePtr& shape : makeShapes(*child, context, none)) group->shapes.push_back(std::move(shape));
+        for (ShapePtr& shape : makeShapes(*child, context, none)) group.shapes.push_back(std::move(shape));
     }
-    if (group->shapes.empty()) throw element.error("a shapegroup without shapes");
+    if (group.shapes.empty()) throw element.error("a shapegroup without shapes");
     element.checkAllUsed(context.lenient, context.warnings);
+}
+
+std::shared_ptr<const BuiltGroup> makeGroup(const Element& element, LoadContext& context) {
+    if (const auto found = context.built.find(&element); found != context.built.end())
+        return std::static_pointer_cast<const BuiltGroup>(found->second);
+    auto group = std::make_shared<BuiltGroup>();
+    const Vec3d outside = context.origin;
+    const MemoryBudget memory = context.memory;
+    const size_t warnings = context.warnings.size();
+    context.origin = Vec3d(0.0);
+    fillGroup(group->shapes, element, context);
+    group->origin = context.origin = originFor(boxesOf(group->shapes.shapes, {}));
+    if (group->origin != Vec3d(0.0)) {  // once more, around its own origin
+        group->shapes.shapes.clear();
+        context.memory = memory;
+        context.warnings.resize(warnings);
+        forgetReads(element);
+        fillGroup(group->shapes, element, context);
+    }
+    context.origin = outside;
     context.built[&element] = group;
     return group;
 }
@@ -283,12 +309,16 @@ void addInstance(const Element& element, LoadContext& context, SceneParts& parts
     if (!element.childrenOf("emitter").empty()) throw element.error("an instance cannot be an emitter");
     if (!element.childrenOf("bsdf").empty())
         throw element.error("an instance has the materials of its shapegroup, and none of its own");
-    const Transform toWorld = element.transform("to_world");
+    const Transform toWorld = context.toWorld(element);
     withLocation(element, [&] {
         context.memory.take(kInstanceBytes, "the instance");
         const Affine checked(toWorld);
     });
-    parts.instances.push_back({makeGroup(*child, context), toWorld});
+    const auto group = makeGroup(*child, context);
+    const Instance instance{{group, &group->shapes}, toWorld * movedBy(group->origin, Transform())};
+    for (const Box& box : boxesOf({}, {instance}))
+        requirePlaceable(element, box.lower + context.origin, box.upper + context.origin);
+    parts.instances.push_back(instance);
     element.checkAllUsed(context.lenient, context.warnings);
 }
 

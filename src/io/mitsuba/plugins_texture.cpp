@@ -117,7 +117,10 @@ TexturePtr rawConstant(const Element& element) {
     const Property* property = element.find("value");
     if (!property) throw element.error("has no \"value\", expected a <float>, <rgb> or <vector>");
     property->used = true;
-    if (const Vec3f* v = std::get_if<Vec3f>(&property->value)) return makeConstantTexture({v->x, v->y, v->z});
+    if (const Vec3d* v = std::get_if<Vec3d>(&property->value)) {
+        const Vec3f color(*v);
+        return makeConstantTexture({color.x, color.y, color.z});
+    }
     if (const RgbValue* rgb = std::get_if<RgbValue>(&property->value)) return makeConstantTexture(rgb->value);
     return makeConstantTexture(Rgb(element.number("value", 0)));
 }

@@ -19,7 +19,7 @@ std::string describe(const Property& property) {
         std::string operator()(const std::string& v) const {
             return fmt::format("the string \"{}\"", shortened(v));
         }
-        std::string operator()(const Vec3f& v) const {
+        std::string operator()(const Vec3d& v) const {
             return fmt::format("the vector ({}, {}, {})", v.x, v.y, v.z);
         }
         std::string operator()(const Transform&) const { return "a transform"; }
@@ -98,7 +98,11 @@ std::string Element::requiredString(const std::string& name) const {
 }
 
 Vec3f Element::vector(const std::string& name, const Vec3f& fallback) const {
-    const Vec3f* value = typed<Vec3f>(*this, find(name), "a <point> or <vector>");
+    return Vec3f(point(name, Vec3d(fallback)));
+}
+
+Vec3d Element::point(const std::string& name, const Vec3d& fallback) const {
+    const Vec3d* value = typed<Vec3d>(*this, find(name), "a <point> or <vector>");
     return value ? *value : fallback;
 }
 

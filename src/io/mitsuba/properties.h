@@ -70,7 +70,7 @@ struct PixelArray {
 };
 
 struct Property {
-    std::variant<bool, int64_t, double, std::string, Vec3f, Transform, RgbValue, SpectrumValue, ElementPtr,
+    std::variant<bool, int64_t, double, std::string, Vec3d, Transform, RgbValue, SpectrumValue, ElementPtr,
                  MeshArrays, PixelArray>
         value;
     Location location;
@@ -106,6 +106,7 @@ class Element {
     std::string string(const std::string& name, const std::string& fallback) const;
     std::string requiredString(const std::string& name) const;
     Vec3f vector(const std::string& name, const Vec3f& fallback) const;  ///< <point> or <vector>
+    Vec3d point(const std::string& name, const Vec3d& fallback) const;   ///< the same, as settled()
     /// Identity if absent. Throws for a singular map, unless it `mayFlatten`.
     Transform transform(const std::string& name, bool mayFlatten = false) const;
     const MeshArrays& requiredArrays(const std::string& name) const;

@@ -5,20 +5,20 @@ namespace metrolux::core::mitsuba {
 namespace {
 
 /// x, y, z, each with a default, or all of them as `value`.
-Vec3f components(const Attributes& attributes, float fallback) {
+Vec3d components(const Attributes& attributes, double fallback) {
     if (attributes.has("value")) {
         if (attributes.has("x") || attributes.has("y") || attributes.has("z"))
             throw Error("found value together with x, y or z, expected one form");
         return parseVec3(attributes["value"]);
     }
-    Vec3f result(fallback);
-    if (attributes.has("x")) result.x = parseFloat(attributes["x"]);
-    if (attributes.has("y")) result.y = parseFloat(attributes["y"]);
-    if (attributes.has("z")) result.z = parseFloat(attributes["z"]);
+    Vec3d result(fallback);
+    if (attributes.has("x")) result.x = parseWithinFloat(attributes["x"]);
+    if (attributes.has("y")) result.y = parseWithinFloat(attributes["y"]);
+    if (attributes.has("z")) result.z = parseWithinFloat(attributes["z"]);
     return result;
 }
 
-Vec3f point(const std::string& name, const std::string& text) {
+Vec3d point(const std::string& name, const std::string& text) {
     if (splitList(text).size() != 3) throw Error("{}: found \"{}\", expected three numbers", name, text);
     return parseVec3(text);
 }
@@ -35,13 +35,13 @@ Transform matrix(const std::string& text) {
 }
 
 Transform lookAt(const Attributes& attributes) {
-    const Vec3f origin = point("origin", attributes["origin"]),
+    const Vec3d origin = point("origin", attributes["origin"]),
                 target = point("target", attributes["target"]);
     Vec3f up(0.0f);
-    if (attributes.has("up")) up = point("up", attributes["up"]);
+    if (attributes.has("up")) up = Vec3f(point("up", attributes["up"]));
     if (up == Vec3f(0.0f)) {  // Mitsuba then picks any
-        const Vec3f direction = target - origin;
-        up = std::abs(direction.y) < 0.9f * direction.length() ? Vec3f(0, 1, 0) : Vec3f(1, 0, 0);
+        const Vec3d direction = target - origin;
+        up = std::abs(direction.y) < 0.9 * direction.length() ? Vec3f(0, 1, 0) : Vec3f(1, 0, 0);
     }
     return Transform::lookAt(origin, target, up);
 }
@@ -51,10 +51,11 @@ Transform operation(const Source& source, pugi::xml_node node, Parameters& param
     if (tag == "translate")
         return Transform::translate(components({source, node, parameters, {}, {"x", "y", "z", "value"}}, 0));
     if (tag == "scale")
-        return Transform::scale(components({source, node, parameters, {}, {"x", "y", "z", "value"}}, 1));
+        return Transform::scale(
+            Vec3f(components({source, node, parameters, {}, {"x", "y", "z", "value"}}, 1)));
     if (tag == "rotate") {
         const Attributes attributes(source, node, parameters, {"angle"}, {"x", "y", "z", "value"});
-        return Transform::rotate(components(attributes, 0), parseNumber(attributes["angle"]));
+        return Transform::rotate(Vec3f(components(attributes, 0)), parseNumber(attributes["angle"]));
     }
     if (tag == "matrix") return matrix(Attributes(source, node, parameters, {"value"})["value"]);
     if (tag == "lookat" || (legacy && tag == "lookAt"))

@@ -47,12 +47,14 @@ double parseNumber(std::string_view text) {
     return value;
 }
 
-float parseFloat(std::string_view text) {
+double parseWithinFloat(std::string_view text) {
     const double value = parseNumber(text);
     if (std::abs(value) > static_cast<double>(std::numeric_limits<float>::max()))
         throw Error("found {}, expected a number within the range of single precision", quoted(text));
-    return static_cast<float>(value);
+    return value;
 }
+
+float parseFloat(std::string_view text) { return static_cast<float>(parseWithinFloat(text)); }
 
 int64_t parseInteger(std::string_view text) {
     const std::string_view body = withoutPlus(trimmed(text));
@@ -91,12 +93,12 @@ std::vector<double> parseNumberList(std::string_view text) {
     return values;
 }
 
-Vec3f parseVec3(std::string_view text) {
+Vec3d parseVec3(std::string_view text) {
     const auto parts = splitList(text);
     if (parts.size() != 1 && parts.size() != 3)
         throw Error("found {} numbers in {}, expected one or three", parts.size(), quoted(text));
-    if (parts.size() == 1) return Vec3f(parseFloat(parts[0]));
-    return {parseFloat(parts[0]), parseFloat(parts[1]), parseFloat(parts[2])};
+    if (parts.size() == 1) return Vec3d(parseWithinFloat(parts[0]));
+    return {parseWithinFloat(parts[0]), parseWithinFloat(parts[1]), parseWithinFloat(parts[2])};
 }
 
 Rgb parseRgb(std::string_view text) {
@@ -109,7 +111,7 @@ Rgb parseRgb(std::string_view text) {
         return {static_cast<float>(code >> 16) / 255.0f, static_cast<float>((code >> 8) & 255u) / 255.0f,
                 static_cast<float>(code & 255u) / 255.0f};
     }
-    const Vec3f value = parseVec3(text);
+    const Vec3f value(parseVec3(text));
     return {value.x, value.y, value.z};
 }
 

@@ -11,15 +11,16 @@ namespace metrolux::core::mitsuba {
 
 /// Finite; white space around it is allowed, anything else is not.
 double parseNumber(std::string_view text);
-/// parseNumber within the range of float.
+/// parseNumber within the range of float, not rounded and rounded.
+double parseWithinFloat(std::string_view text);
 float parseFloat(std::string_view text);
 int64_t parseInteger(std::string_view text);
 bool parseBoolean(std::string_view text);
 /// Parts of a list that commas and white space separate.
 std::vector<std::string_view> splitList(std::string_view text);
 std::vector<double> parseNumberList(std::string_view text);
-/// Three numbers, or one for all components.
-Vec3f parseVec3(std::string_view text);
+/// Three numbers, or one for all components, each within the range of float.
+Vec3d parseVec3(std::string_view text);
 /// Linear: one or three numbers, or #rrggbb.
 Rgb parseRgb(std::string_view text);
 /// The same with sRGB's transfer curve, decoded to linear.

@@ -1,4 +1,5 @@
 #pragma once
+#include "endpoint/goniometric_light.h"
 #include "endpoint/lights.h"
 #include "scattering/textures/bitmap_texture.h"
 #include "scattering/textures/constant.h"
@@ -56,6 +57,11 @@ inline EnvironmentMapParameters patchyEnvironment() {
     return p;
 }
 
+/// A quarter turn, with angles that are not even, nothing upward and a bright spot.
+inline PhotometricWeb patchyWeb() {
+    return {{0, 20, 50, 70, 110}, {0, 30, 90}, {1, 2, 0, 1, 0.5f, 1, 9, 1, 0, 0, 1, 3, 2, 0, 1}};
+}
+
 /// A tilted sky with a disc of 40 degrees that the horizon cuts, darker toward its limb.
 inline SunSkyParameters wideSun() {
     SunSkyParameters p;
@@ -107,6 +113,7 @@ inline std::vector<LightCase> allLights() {
         {"directional", makeDirectionalLight({{0.3f, -2, 0.5f}, {4, 3, 2}}), nullptr, {}},
         {"constant", makeConstantLight({{3, 2, 1}}), nullptr, {}},
         {"environment map", makeEnvironmentMap(patchyEnvironment()), nullptr, {}},
+        {"goniometric", makeGoniometricLight({tilted(), {4, 3, 2}, patchyWeb()}), nullptr, {}},
         {"collimated", makeCollimatedLight({tilted(), {4, 3, 2}}), nullptr, {}},
         {"sun and sky", nullptr, nullptr, [] { return makeSunSky(wideSun()); }},
         {"sky", nullptr, nullptr, [] { return makeSunSky(skyOnly()); }},

@@ -66,6 +66,20 @@ TEST(LightSampling, pointAndSpots) {
     }
 }
 
+TEST(LightSampling, goniometric) {
+    const Transform t = test::tilted();
+    const Vec3f origin = t.point(Vec3f(0.0f));
+    const PhotometricWeb spot{{0, 10, 12}, {0}, {5, 5, 0}},
+        half{{0, 90, 180}, {0, 45, 90, 135, 180}, {1, 2, 0, 1, 4, 0, 1, 0, 0, 1, 3, 1, 1, 1, 1}};
+    // The density is constant over half a degree, which the quadrature has to resolve.
+    const auto gap = [](float degrees) { return 2 * sqr(std::sin(radians(degrees) / 2)); };
+    for (const auto& [web, cone] : {std::pair(spot, 12.0f), {half, 180.0f}, {test::patchyWeb(), 110.0f}}) {
+        SCOPED_TRACE(cone);
+        checkPointLike(makeGoniometricLight({t, Rgb(1.0f), web}), {axesOf(t), gap(cone)}, origin, 4,
+                       {.quadrature = 24});
+    }
+}
+
 TEST(LightSampling, projector) {
     const Transform t = test::tilted();
     const float halfWidth = 0.6f, halfHeight = halfWidth * 0.75f;

@@ -261,5 +261,24 @@ TEST(SensorPlugins, thinlensAndOrthographic) {
     EXPECT_TRUE(sensor(Builder("sensor", "orthographic")).camera->isInfinite());
 }
 
+TEST(SensorPlugins, sphericalAndFisheye) {
+    // 768 x 576; 0.6 documents the panorama with 2:1, but any film will do.
+    const Sensor all = sensor(Builder("sensor", "spherical"));
+    EXPECT_NEAR((all.camera->sampleRay({}, {576, 288})->direction - Vec3f(-1, 0, 0)).length(), 0, 1e-5);
+    EXPECT_TRUE(all.camera->connect({0, 0, -1e-3f}, {})) << "no near clipping plane by default";
+    EXPECT_FALSE(
+        sensor(Builder("sensor", "spherical").with("near_clip", 0.1)).camera->connect({0, 0, -0.05f}, {}));
+    for (const char* name : {"aperture", "fov"}) {
+        const Sensor wide = sensor(Builder("sensor", "fisheye").with(name, 90.0));
+        EXPECT_NEAR(wide.camera->sampleRay({}, {384, 1})->direction.y, std::sin(kPi / 4), 0.01);
+    }
+    const auto error = [](const Builder& b) { return errorOf([&] { sensor(b); }); };
+    EXPECT_THAT(error(Builder("sensor", "fisheye").with("aperture", 400.0)), HasSubstr("(0, 360]"));
+    EXPECT_THAT(error(Builder("sensor", "spherical").with("fov", 90.0)), HasSubstr("\"fov\""));
+    EXPECT_THAT(error(Builder("sensor", "irradiancemeter")),
+                HasSubstr("Mitsuba's sensor \"irradiancemeter\" is not supported; nearest: fisheye"));
+    EXPECT_THAT(error(Builder("sensor", "radiancemeter")), HasSubstr("nearest: perspective"));
+}
+
 }  // namespace
 }  // namespace metrolux::core::mitsuba

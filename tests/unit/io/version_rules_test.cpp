@@ -160,5 +160,26 @@ TEST(VersionRules, UndefinedParametersAreNamedWithTheDefaultsThereAre) {
     EXPECT_THAT(error(text), AllOf(HasSubstr("$kind"), HasSubstr("resolution_x")));
 }
 
+TEST(VersionRules, AnAnimationStandsStillWithAWarning) {
+    const TemporaryFolder folder;
+    const auto load = [&](const std::string& transforms) {
+        LoadOptions options;
+        options.fragment = true;
+        return loadScene(
+            folder.write("scene.xml", scene(R"(<shape type="sphere"><animation name="to_world">)" +
+                                            transforms + "</animation></shape>")),
+            options);
+    };
+    const SceneParts parts = load(R"(<transform time="0"><translate x="3"/></transform>
+<transform time="1"><translate x="9"/></transform>)");
+    Vec3f lower, upper;
+    parts.shapes.at(0)->bounds(lower, upper);
+    EXPECT_NEAR(lower.x, 2, 1e-5);
+    EXPECT_THAT(parts.warnings, testing::Contains(testing::HasSubstr("scenes do not move")));
+    EXPECT_THAT(load(R"(<transform time="0"><translate x="3"/></transform>)").warnings,
+                testing::Each(testing::Not(testing::HasSubstr("scenes do not move"))));
+    EXPECT_THAT(errorOf([&] { load(""); }), testing::HasSubstr("has no <transform>"));
+}
+
 }  // namespace
 }  // namespace metrolux::core::test

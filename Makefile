@@ -88,7 +88,7 @@ thread-test: setup  ## the unit tests with the thread sanitizer
 sanitize: debug-test thread-test  ## debug-test and thread-test
 
 FUZZ_SECONDS := 300
-FUZZ_TARGETS := obj ply serialized spectrum ies image scene checkpoint
+FUZZ_TARGETS := obj ply serialized spectrum ies gltf image scene checkpoint
 fuzz: setup  ## libFuzzer on each parser, FUZZ_SECONDS each (needs clang)
 	cmake --preset fuzz
 	cmake --build --preset fuzz --target $(FUZZ_TARGETS:%=fuzz_%)

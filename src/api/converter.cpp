@@ -79,7 +79,7 @@ SpectrumValue blackbodyValue(const Blackbody& b) {
 }
 
 MeshArrays arraysOf(const std::shared_ptr<const Mesh>& mesh) {
-    MeshArrays arrays{mesh->positions, mesh->normals, mesh->uvs, mesh->triangles, {}, mesh};
+    MeshArrays arrays{mesh->positions, mesh->normals, mesh->uvs, mesh->triangles, {}, mesh, true};
     for (const Mesh::Attribute& a : mesh->attributes)
         arrays.attributes.push_back({a.name, a.channels, a.values});
     return arrays;
@@ -104,7 +104,7 @@ Data plain(const std::shared_ptr<const Mesh>& mesh) {
 }
 Data plain(const std::shared_ptr<const Image>& image) {
     if (!image) throw Error("found no image, expected one");
-    return PixelArray{image->width, image->height, image->channels, image->pixels, image};
+    return PixelArray{image->width, image->height, image->channels, image->pixels, image, true};
 }
 
 bool isList(const Element& parent) { return parent.tag == "scene" || parent.type == "shapegroup"; }

@@ -74,8 +74,20 @@ Value valueOf(const Property& property) {
                 return Blackbody{static_cast<double>(s.blackbodyKelvin), static_cast<double>(s.values[0])};
             return Spectrum{{s.wavelengths.begin(), s.wavelengths.end()}, {s.values.begin(), s.values.end()}};
         }
-        Value operator()(const MeshArrays& m) const { return std::static_pointer_cast<const Mesh>(m.owner); }
-        Value operator()(const PixelArray& p) const { return std::static_pointer_cast<const Image>(p.owner); }
+        Value operator()(const MeshArrays& m) const {
+            if (m.isMesh) return std::static_pointer_cast<const Mesh>(m.owner);
+            const auto copy = [](const auto& values) { return std::vector(values.begin(), values.end()); };
+            Mesh mesh;
+            mesh.positions = copy(m.positions), mesh.triangles = copy(m.triangles);
+            mesh.normals = copy(m.normals), mesh.uvs = copy(m.uvs);
+            for (const MeshArrays::Attribute& a : m.attributes)
+                mesh.attributes.push_back({a.name, a.channels, copy(a.values)});
+            return mesh;
+        }
+        Value operator()(const PixelArray& p) const {
+            if (p.isImage) return std::static_pointer_cast<const Image>(p.owner);
+            return Image{{p.pixels.begin(), p.pixels.end()}, p.height, p.width, p.channels};
+        }
         Value operator()(const ElementPtr&) const { return false; }
     };
     return std::visit(Convert{}, property.value);

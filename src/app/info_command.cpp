@@ -176,7 +176,7 @@ Run addInfoCommand(CLI::App& parent) {
     CLI::App* app = parent.add_subcommand("info", "Show what was understood of a scene");
     app->footer(kInfoExamples);
     auto a = std::make_shared<InfoArguments>();
-    app->add_option("scene", a->scene, "Mitsuba scene (XML)")->required();
+    app->add_option("scene", a->scene, "Mitsuba scene (XML) or glTF")->required();
     app->add_option("-D,--define", a->defines, "Value for a <default> or $parameter of the scene")
         ->option_text("NAME=VALUE")
         ->allow_extra_args(false);

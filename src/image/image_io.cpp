@@ -51,20 +51,27 @@ constexpr Signature kSignatures[] = {
     {"Pf"sv, "pnm"},
 };
 
-/// OpenImageIO's name of the reader for a file; null if it is none of the formats.
+/// OpenImageIO's name of the reader for bytes; null if they begin none of the formats.
+const char* readerOf(std::string_view bytes) {
+    for (const Signature& s : kSignatures)
+        if (bytes.starts_with(s.bytes)) return s.reader;
+    return nullptr;
+}
+
+/// The same for a file; null if it is none of the formats.
 const char* readerFor(const fs::path& file) {
     std::array<char, 16> head{};
     std::ifstream stream(file, std::ios::binary);
     stream.read(head.data(), head.size());
     const std::string_view found(head.data(), static_cast<size_t>(stream.gcount()));
-    for (const Signature& s : kSignatures)
-        if (found.starts_with(s.bytes)) return s.reader;
+    if (const char* reader = readerOf(found)) return reader;
     std::string extension = file.extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return extension == ".tga" && !found.empty() ? "targa" : nullptr;
 }
 
-void checkSize(const fs::path& file, const OIIO::ImageSpec& spec) {
+/// `fileSize`: in bytes, 0 where it is not known.
+void checkSize(const fs::path& file, const OIIO::ImageSpec& spec, uint64_t fileSize) {
     const uint64_t values = static_cast<uint64_t>(std::max(spec.width, 0)) *
                             static_cast<uint64_t>(std::max(spec.height, 0)) *
                             static_cast<uint64_t>(std::max(spec.nchannels, 0));
@@ -73,35 +80,42 @@ void checkSize(const fs::path& file, const OIIO::ImageSpec& spec) {
         throw Error(
             "cannot read image '{}': {}x{} pixels of {} channels is more than the largest size of {} values",
             file.string(), spec.width, spec.height, spec.nchannels, kMostValues);
-    std::error_code code;
-    const uint64_t fileSize = fs::file_size(file, code);
     const uint64_t bytes = values * spec.format.size();
-    if (bytes > kFreeBytes && !code && bytes / kMostExpansion > fileSize)
+    if (bytes > kFreeBytes && fileSize > 0 && bytes / kMostExpansion > fileSize)
         throw Error("cannot read image '{}': {}x{} pixels of {} channels are {}, which its {} cannot hold",
                     file.string(), spec.width, spec.height, spec.nchannels, sizeText(bytes),
                     sizeText(fileSize));
+}
+
+/// `bytes`, if not null, in place of the file, which has to live as long as the result.
+std::unique_ptr<OIIO::ImageInput> openWith(const char* reader, const fs::path& file, uint64_t fileSize,
+                                           OIIO::Filesystem::IOProxy* bytes) {
+    auto input = OIIO::ImageInput::create(reader);
+    if (!input) throw Error("cannot read image '{}': {}", file.string(), OIIO::geterror());
+    if (bytes && !input->supports("ioproxy"))
+        throw Error("cannot read image '{}': {} cannot be read from memory", file.string(), reader);
+    if (bytes) input->set_ioproxy(bytes);
+    OIIO::ImageSpec request, spec;
+    request.attribute("oiio:UnassociatedAlpha", 1);
+    if (!input->open(file.string(), spec, request))
+        throw Error("cannot read image '{}': {}", file.string(), input->geterror());
+    if (spec.deep)
+        throw Error("cannot read image '{}': it has deep pixels, expected flat ones", file.string());
+    if (spec.depth > 1) throw Error("cannot read image '{}': it is a volume", file.string());
+    checkSize(file, spec, fileSize);
+    return input;
 }
 
 std::unique_ptr<OIIO::ImageInput> openImage(const fs::path& file) {
     std::error_code code;
     if (!fs::exists(file, code)) throw Error("cannot read image '{}': there is no such file", file.string());
     if (fs::is_directory(file, code)) throw Error("cannot read image '{}': it is a folder", file.string());
-    OIIO::ImageSpec request;
-    request.attribute("oiio:UnassociatedAlpha", 1);
     const char* reader = readerFor(file);
     if (!reader)
         throw Error("cannot read image '{}': expected EXR, HDR, PNG, JPEG, BMP, TGA, TIFF, PFM or PPM",
                     file.string());
-    auto input = OIIO::ImageInput::create(reader);
-    if (!input) throw Error("cannot read image '{}': {}", file.string(), OIIO::geterror());
-    OIIO::ImageSpec spec;
-    if (!input->open(file.string(), spec, request))
-        throw Error("cannot read image '{}': {}", file.string(), input->geterror());
-    if (spec.deep)
-        throw Error("cannot read image '{}': it has deep pixels, expected flat ones", file.string());
-    if (spec.depth > 1) throw Error("cannot read image '{}': it is a volume", file.string());
-    checkSize(file, spec);
-    return input;
+    const uint64_t size = fs::file_size(file, code);
+    return openWith(reader, file, code ? 0 : size, nullptr);
 }
 
 std::vector<float> readChannels(OIIO::ImageInput& input, const fs::path& file) {
@@ -195,18 +209,15 @@ uint8_t toByte(float display) {
     return static_cast<uint8_t>(std::lround(255 * (display > 0 ? std::min(display, 1.0f) : 0.0f)));
 }
 
-}  // namespace
-
-ImageData readImage(const fs::path& file, bool raw, MemoryBudget* memory) {
-    const auto input = openImage(file);
-    const OIIO::ImageSpec& spec = input->spec();
+ImageData decode(OIIO::ImageInput& input, const fs::path& file, bool raw, MemoryBudget* memory) {
+    const OIIO::ImageSpec& spec = input.spec();
     ImageData image;
     image.width = spec.width;
     image.height = spec.height;
     const std::vector<int> selection = imageChannels(spec);
     image.channels = static_cast<int>(selection.size());
     bookImage(file, spec, selection.size(), memory);
-    image.pixels = readChannels(*input, file);
+    image.pixels = readChannels(input, file);
     if (image.channels != spec.nchannels)
         image.pixels = selectChannels(image.pixels, spec.nchannels, selection);
 
@@ -223,6 +234,20 @@ ImageData readImage(const fs::path& file, bool raw, MemoryBudget* memory) {
         }
     }
     return image;
+}
+
+}  // namespace
+
+ImageData readImage(const fs::path& file, bool raw, MemoryBudget* memory) {
+    return decode(*openImage(file), file, raw, memory);
+}
+
+ImageData readImageBytes(const std::string& name, std::string_view bytes, bool raw, MemoryBudget* memory) {
+    const char* reader = readerOf(bytes);
+    if (!reader) throw Error("cannot read image '{}': expected PNG, JPEG, EXR or another image", name);
+    OIIO::Filesystem::IOMemReader proxy(const_cast<char*>(bytes.data()), bytes.size());
+    const auto input = openWith(reader, name, bytes.size(), &proxy);
+    return decode(*input, name, raw, memory);
 }
 
 std::string encodeExr(const ImageData& image, const std::vector<ImageLayer>& layers,

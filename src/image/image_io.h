@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -30,6 +31,11 @@ struct ImageData {
 /// Throws Error naming the file. The size is checked against the file's and against `memory`, where the
 /// pixels are booked, before anything is allocated.
 ImageData readImage(const std::filesystem::path& file, bool raw, MemoryBudget* memory = nullptr);
+
+/// The same of the bytes of a PNG, JPEG or another file that OpenImageIO reads from memory; `name` stands for
+/// it in messages.
+ImageData readImageBytes(const std::string& name, std::string_view bytes, bool raw,
+                         MemoryBudget* memory = nullptr);
 
 /// More channels of an EXR, named "name.channel".
 struct ImageLayer {

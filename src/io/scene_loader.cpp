@@ -1,5 +1,6 @@
 #include "io/scene_loader.h"
 
+#include "io/gltf/scene.h"
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/parser.h"
 #include "io/mitsuba/repetitions.h"
@@ -183,6 +184,14 @@ MemoryBudget memoryFor(const LoadOptions& options) {
     return machine > 0 ? MemoryBudget(machine) : MemoryBudget::unlimited();
 }
 
+ParsedScene parseFile(const std::filesystem::path& file, const LoadOptions& options, MemoryBudget& memory) {
+    if (!gltf::isGltf(file)) return parseScene(file, options.defines, options.lenient, &memory);
+    if (!options.defines.empty())
+        throw Error("{}: a glTF file has no parameters, found the value of \"{}\"", file.string(),
+                    options.defines.begin()->first);
+    return gltf::parseGltf(file, options.lenient, memory);
+}
+
 template <class Film>
 void overrideFilter(Film& film, const LoadOptions& options) {
     if (options.filter.empty()) return;
@@ -254,7 +263,7 @@ void LoadOptions::setCrop(int x, int y, int newWidth, int newHeight) {
 SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,
                      std::vector<std::filesystem::path>* files, SensorSource* sensor, ParsedScene* tree) {
     MemoryBudget memory = memoryFor(options);
-    ParsedScene parsed = parseScene(file, options.defines, options.lenient, &memory);
+    ParsedScene parsed = parseFile(file, options, memory);
     if (tree) *tree = parsed;
     if (files) files->assign(1, file);
     return build(std::move(parsed), options, memory, file.string(), files, sensor);
@@ -263,8 +272,7 @@ SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& optio
 std::vector<std::string> sensorNames(const std::filesystem::path& file, const LoadOptions& options) {
     MemoryBudget memory = memoryFor(options);
     std::vector<std::string> names;
-    for (const ElementPtr& sensor :
-         parseScene(file, options.defines, options.lenient, &memory).root->childrenOf("sensor"))
+    for (const ElementPtr& sensor : parseFile(file, options, memory).root->childrenOf("sensor"))
         names.push_back(sensor->id.empty() ? std::to_string(names.size()) : sensor->id);
     return names;
 }

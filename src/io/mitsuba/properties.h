@@ -47,7 +47,7 @@ struct SpectrumValue {
     float blackbodyKelvin = 0;  ///< > 0: Planck's law, `values[0]` is the scale
 };
 
-/// The arrays of a mesh that was made in code, as their owner keeps them.
+/// The arrays of a mesh that is in no file of its own, as their owner keeps them.
 struct MeshArrays {
     std::span<const float> positions, normals;  ///< three numbers per vertex; normals may be empty
     std::span<const float> uvs;                 ///< two per vertex, or empty
@@ -59,6 +59,7 @@ struct MeshArrays {
     };
     std::vector<Attribute> attributes;
     std::shared_ptr<const void> owner;
+    bool isMesh = false;  ///< the owner is a metrolux::Mesh
 };
 
 /// The pixels of an image that was made in code, as their owner keeps them: row by row from the top, channels
@@ -67,6 +68,7 @@ struct PixelArray {
     int width = 0, height = 0, channels = 0;
     std::span<const float> pixels;
     std::shared_ptr<const void> owner;
+    bool isImage = false;  ///< the owner is a metrolux::Image
 };
 
 struct Property {

@@ -24,6 +24,7 @@ Run addCompareCommand(CLI::App& parent);
 Run addStudyCommand(CLI::App& parent);
 Run addBenchCommand(CLI::App& parent);
 Run addInfoCommand(CLI::App& parent);
+Run addConvertCommand(CLI::App& parent);
 Run addIntegratorsCommand(CLI::App& parent);
 
 }  // namespace metrolux::core::app

@@ -68,7 +68,8 @@ int runCommandLine(int argc, char** argv) {
     root.require_subcommand(0, 1);
     std::vector<Command> commands;
     for (auto* add : {&addRenderCommand, &addResumeCommand, &addMergeCommand, &addCompareCommand,
-                      &addStudyCommand, &addBenchCommand, &addInfoCommand, &addIntegratorsCommand}) {
+                      &addStudyCommand, &addBenchCommand, &addInfoCommand, &addConvertCommand,
+                      &addIntegratorsCommand}) {
         Run run = add(root);
         commands.push_back(
             {root.get_subcommands([](const CLI::App*) { return true; }).back(), std::move(run)});

@@ -191,9 +191,11 @@ std::string encode(const char* format, const OIIO::ImageSpec& spec, const OIIO::
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-void checkImage(const ImageData& image) {
-    if (image.channels != 3 || image.width <= 0 || image.height <= 0 ||
-        image.pixels.size() != static_cast<size_t>(image.width) * static_cast<size_t>(image.height) * 3)
+void checkImage(const ImageData& image, bool mayBeGray = false) {
+    if ((image.channels != 3 && !(mayBeGray && image.channels == 1)) || image.width <= 0 ||
+        image.height <= 0 ||
+        image.pixels.size() != static_cast<size_t>(image.width) * static_cast<size_t>(image.height) *
+                                   static_cast<size_t>(image.channels))
         throw Error("cannot write an image of {}x{} pixels, {} channels and {} values: expected 3 channels",
                     image.width, image.height, image.channels, image.pixels.size());
 }
@@ -252,9 +254,11 @@ ImageData readImageBytes(const std::string& name, std::string_view bytes, bool r
 
 std::string encodeExr(const ImageData& image, const std::vector<ImageLayer>& layers,
                       const Metadata& metadata) {
-    checkImage(image);
+    checkImage(image, true);
     const size_t count = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
-    std::vector<std::string> names{"R", "G", "B"};
+    std::vector<std::string> names =
+        image.channels == 1 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
+    const auto own = static_cast<std::ptrdiff_t>(image.channels);
     for (const ImageLayer& layer : layers) {
         if (layer.pixels.size() != count * layer.channels.size())
             throw Error("cannot write the layer '{}': it does not have the size of the image", layer.name);
@@ -263,8 +267,8 @@ std::string encodeExr(const ImageData& image, const std::vector<ImageLayer>& lay
     std::vector<float> pixels;
     pixels.reserve(count * names.size());
     for (size_t i = 0; i < count; ++i) {
-        pixels.insert(pixels.end(), image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i),
-                      image.pixels.begin() + static_cast<std::ptrdiff_t>(3 * i + 3));
+        pixels.insert(pixels.end(), image.pixels.begin() + own * static_cast<std::ptrdiff_t>(i),
+                      image.pixels.begin() + own * static_cast<std::ptrdiff_t>(i + 1));
         for (const ImageLayer& layer : layers) {
             const size_t n = layer.channels.size();
             pixels.insert(pixels.end(), layer.pixels.begin() + static_cast<std::ptrdiff_t>(n * i),

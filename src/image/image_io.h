@@ -47,7 +47,7 @@ using MetadataValue = std::variant<std::string, double, int>;
 using Metadata = std::vector<std::pair<std::string, MetadataValue>>;
 
 /// Writes 32-bit float EXR with lossless compression, Rec.709 chromaticities and the metadata as attributes.
-/// The file is replaced as a whole or not at all. `image` has 3 channels. Throws Error.
+/// The file is replaced as a whole or not at all. `image` has 3 channels, or 1 (Y). Throws Error.
 void writeExr(const std::filesystem::path& file, const ImageData& image,
               const std::vector<ImageLayer>& layers = {}, const Metadata& metadata = {});
 /// The bytes of that file.

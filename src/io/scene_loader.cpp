@@ -269,6 +269,11 @@ SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& optio
     return build(std::move(parsed), options, memory, file.string(), files, sensor);
 }
 
+ParsedScene parseSceneFile(const std::filesystem::path& file, const LoadOptions& options) {
+    MemoryBudget memory = memoryFor(options);
+    return parseFile(file, options, memory);
+}
+
 std::vector<std::string> sensorNames(const std::filesystem::path& file, const LoadOptions& options) {
     MemoryBudget memory = memoryFor(options);
     std::vector<std::string> names;

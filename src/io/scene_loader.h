@@ -37,9 +37,9 @@ struct SensorSource {
 /// What `strict` does with the warnings so far: throws the first as an Error.
 void refuseWarnings(const SceneParts& parts);
 
-/// Reads a Mitsuba XML scene, or glTF 2.0. Throws Error. `files`, if given, receives the names of all files that were
-/// read, the scene's first.
-/// `sensor`, if given, the one that the camera was made from; `tree` the scene as it was parsed.
+/// Reads a Mitsuba XML scene, or glTF 2.0. Throws Error. `files`, if given, receives the names of all files
+/// that were read, the scene's first. `sensor`, if given, the one that the camera was made from; `tree` the
+/// scene as it was parsed.
 SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,
                      std::vector<std::filesystem::path>* files = nullptr, SensorSource* sensor = nullptr,
                      mitsuba::ParsedScene* tree = nullptr);
@@ -50,6 +50,9 @@ SceneParts buildScene(mitsuba::ParsedScene parsed, const LoadOptions& options,
 /// What `sensor` of LoadOptions may be for each of the sensors in a file: its id, or its number. Throws
 /// Error.
 std::vector<std::string> sensorNames(const std::filesystem::path& file, const LoadOptions& options);
+
+/// A file as objects, before anything is built of them: Mitsuba XML, or glTF 2.0. Throws Error.
+mitsuba::ParsedScene parseSceneFile(const std::filesystem::path& file, const LoadOptions& options);
 
 /// The camera and the film of `source`, as loadScene() with these options makes them; the limits are the
 /// caller's. Throws Error.

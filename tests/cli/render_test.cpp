@@ -71,6 +71,17 @@ TEST_F(CliTest, EverySensorHasAnImageOfItsName) {
     EXPECT_THAT(run({"info", "many.xml"}).out, HasSubstr("at (1000000, 0, -4)"));
 }
 
+TEST_F(CliTest, ConvertedScenesRenderToTheSameBits) {
+    EXPECT_EQ(run({"convert", "scene.xml", "new.xml"}).status, 0);
+    EXPECT_EQ(run({"render", "scene.xml", "--passes", "2", "-o", "a.exr"}).status, 0);
+    EXPECT_EQ(run({"render", "new.xml", "--passes", "2", "-o", "b.exr"}).status, 0);
+    EXPECT_EQ(readImage(folder / "a.exr", false).pixels, readImage(folder / "b.exr", false).pixels);
+    EXPECT_THAT(run({"convert", "scene.xml", "new.xml"}).err, HasSubstr("without --overwrite"));
+    EXPECT_EQ(run({"convert", "scene.xml", "new.xml", "--overwrite"}).status, 0);
+    EXPECT_THAT(run({"convert", "scene.xml", "scene.xml", "--overwrite"}).err, HasSubstr("that is read"));
+    EXPECT_THAT(run({"convert", "scene.xml", "new.glb"}).err, HasSubstr(".xml"));
+}
+
 TEST_F(CliTest, ThreadsDoNotChangeTheImageOfAnyIntegrator) {
     for (const std::string& name : integratorNames()) {
         for (const char* threads : {"1", "2"}) {

@@ -54,6 +54,13 @@ core::Transform unscaled(const core::Transform& map) {
     return core::Transform::fromRows(rows);
 }
 
+/// The same map with the inverse of its matrix, not the product of inverses: what a file can say.
+core::Transform settledMap(const core::Transform& map) {
+    double rows[4][4];
+    for (int i = 0; i < 16; ++i) rows[i / 4][i % 4] = map.at(i / 4, i % 4);
+    return core::Transform::fromRows(rows);
+}
+
 core::Transform localTransform(const Node& node) {
     if (node.has("matrix")) {
         const auto m = node.numbers("matrix", std::vector<double>(16));
@@ -150,7 +157,7 @@ class Builder {
     }
     void placeAll(const Node& list, const core::Transform& above, int depth) {
         descend(list, depth, [&](const Node& node) {
-            const core::Transform map = above * localTransform(node);
+            const core::Transform map = settledMap(above * localTransform(node));
             if (node.has("mesh")) addMesh(node, map);
             if (node.has("camera")) addCamera(node, map);
             const Node light = node.extension("KHR_lights_punctual");
@@ -293,12 +300,12 @@ class Builder {
         const std::string type = camera.string("type", "");
         const Node own = camera.at(type.c_str());
         const std::string name = camera.string("name", node.string("name", ""));
-        const core::Transform place = unscaled(map) * toCamera();
+        const core::Transform place = settledMap(unscaled(map) * toCamera());
         Maker sensor("sensor", type == "orthographic" ? type : "perspective", locationOf(camera));
         if (!name.empty() && names_.insert(name).second) sensor.id(name);
         if (type == "orthographic") {
             const double x = own.number("xmag", 1), y = own.number("ymag", 1);
-            sensor.with("to_world", place * core::Transform::scale({float(x), float(x), 1}))
+            sensor.with("to_world", settledMap(place * core::Transform::scale({float(x), float(x), 1})))
                 .containing(film(camera, x / y));
         } else if (type == "perspective") {
             sensor.with("to_world", place)
@@ -348,7 +355,7 @@ class Builder {
         const double strength = light.number("intensity", 1);
         const RgbValue value{
             {float(tint[0] * strength), float(tint[1] * strength), float(tint[2] * strength)}};
-        const core::Transform place = unscaled(map) * toCamera();
+        const core::Transform place = settledMap(unscaled(map) * toCamera());
         if (light.has("range"))
             warn(light, "\"range\" has no effect: light falls off with the square of the distance");
         if (type == "directional") {

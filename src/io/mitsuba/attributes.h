@@ -33,7 +33,8 @@ class Attributes {
 };
 
 /// The product of the <translate>, <rotate>, <scale>, <lookat> and <matrix> of a <transform>: each is applied
-/// after those before it.
-Transform parseTransform(const Source& source, pugi::xml_node node, Parameters& parameters, bool legacy);
+/// after those before it. `steps`, if given, receives them as text.
+Transform parseTransform(const Source& source, pugi::xml_node node, Parameters& parameters, bool legacy,
+                         std::string* steps = nullptr);
 
 }  // namespace metrolux::core::mitsuba

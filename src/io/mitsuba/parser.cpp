@@ -151,8 +151,10 @@ class Parser {
         }
         if (tag == "transform") {
             const Attributes attributes(file.source, node, parameters_, {"name"});
-            const Transform value = parseTransform(file.source, node, parameters_, file.isLegacy());
+            std::string steps;
+            const Transform value = parseTransform(file.source, node, parameters_, file.isLegacy(), &steps);
             located(file, node, [&] { addNamed(file, node, parent, attributes["name"], value); });
+            parent.named.back().second.text = std::move(steps);
             return;
         }
         if (tag == "animation") {

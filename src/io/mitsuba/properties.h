@@ -77,7 +77,8 @@ struct Property {
         value;
     Location location;
     mutable bool used = false;
-    int order = 0;  ///< position among everything that its element contains
+    int order = 0;          ///< position among everything that its element contains
+    std::string text = {};  ///< of a <transform> in a file: its steps, with all parameters replaced
 };
 
 /// A child of an element with the name that it has there, empty for none.

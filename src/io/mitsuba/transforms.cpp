@@ -68,7 +68,21 @@ Transform operation(const Source& source, pugi::xml_node node, Parameters& param
 
 }  // namespace
 
-Transform parseTransform(const Source& source, pugi::xml_node node, Parameters& parameters, bool legacy) {
+namespace {
+
+/// The numbers of a step have no characters that XML would take otherwise.
+std::string stepText(pugi::xml_node node, Parameters& parameters) {
+    const std::string tag = node.name();
+    std::string result = fmt::format("<{}", tag == "lookAt" ? "lookat" : tag);
+    for (const pugi::xml_attribute attribute : node.attributes())
+        result += fmt::format(" {}=\"{}\"", attribute.name(), parameters.substitute(attribute.value()));
+    return result + "/>";
+}
+
+}  // namespace
+
+Transform parseTransform(const Source& source, pugi::xml_node node, Parameters& parameters, bool legacy,
+                         std::string* steps) {
     Transform result;
     for (const pugi::xml_node child : node.children()) {
         if (child.type() == pugi::node_pcdata || child.type() == pugi::node_cdata)
@@ -84,6 +98,7 @@ Transform parseTransform(const Source& source, pugi::xml_node node, Parameters& 
             throw nodeError(source, child, message);
         }
         result = next * result;
+        if (steps) *steps += stepText(child, parameters);
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j)
                 if (!std::isfinite(result.at(i, j)))

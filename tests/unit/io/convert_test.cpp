@@ -84,6 +84,21 @@ TEST(Convert, EveryKindOfValueAndSharedObjects) {
         folder.path());
 }
 
+/// The inverse of a map is the product of the inverses of its steps, not that of its matrix.
+TEST(Convert, TransformsKeepTheirSteps) {
+    const TemporaryFolder folder;
+    const auto file = folder.write("scene.xml", scene(R"(<shape type="cube"><transform name="to_world">
+<scale x="0.3" y="1.7" z="0.9"/><rotate x="0.2" y="1" z="0.4" angle="33.3"/><translate x="-1.7" y="0.3" z="12.1"/>
+<rotate z="1" angle="12.7"/></transform></shape>)"));
+    mitsuba::writeScene(parseSceneFile(file, {}), folder.path() / "new.xml");
+    const auto inverse = [](const fs::path& path) {
+        const mitsuba::ParsedScene parsed = parseSceneFile(path, {});
+        return parsed.root->childrenOf("shape").at(0)->transform("to_world").inverse();
+    };
+    const Transform a = inverse(file), b = inverse(folder.path() / "new.xml");
+    for (int i = 0; i < 16; ++i) EXPECT_EQ(a.at(i / 4, i % 4), b.at(i / 4, i % 4)) << i;
+}
+
 TEST(Convert, RefusesScenesOfOldRulesBeforeItWrites) {
     const TemporaryFolder folder;
     const auto scene06 =

@@ -26,12 +26,24 @@ struct SplatList {
     };
     std::vector<PixelSplat> pixels;
     std::vector<FilmSplat> film;
+    /// The part of size() that eye subpaths compete for: luminances times the MIS weight that hit and nee
+    /// have of the same paths.
+    double shared = 0;
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(pixels, film);
+        archive(pixels, film, shared);
+    }
+    void add(uint32_t pixel, const Rgb& value, float eyeShare) {
+        pixels.push_back({pixel, value});
+        shared += std::abs(luminance(value)) * eyeShare;
+    }
+    void add(const Vec2f& position, const Rgb& value, float eyeShare) {
+        film.push_back({position, value});
+        shared += std::abs(luminance(value)) * eyeShare;
     }
     void clear() {
+        shared = 0;
         pixels.clear();
         film.clear();
     }

@@ -64,7 +64,7 @@ struct EyeChains::Model {
         const Vec2f raster = film.samplePosition(e.pixel, read(u, layout::kFilter), weight);
         e.vertices.clear();
         // Next-event estimation waits until the subpath has a weight.
-        e.hit = pass.trace(u, nullptr, raster, weight, e.pixel, e.vertices);
+        e.hit = pass.trace(u, nullptr, raster, weight, e.pixel, e.vertices).value;
         e.size = std::any_of(e.vertices.begin(), e.vertices.end(),
                              [&](const Vertex& v) { return lightVertices.anyWithin(v.si.p); });
     }
@@ -74,7 +74,7 @@ struct EyeChains::Model {
         const double scale = count * weight;
         SobolStream nee(hashKey(neeKey, lane), w.count++);
         Rgb sum = e.hit;
-        for (const Vertex& v : e.vertices) sum += pass.estimateDirect(v, nee);
+        for (const Vertex& v : e.vertices) sum += pass.estimateDirect(v, nee).value;
         if (!isBlack(sum)) film.addSplats({{{e.pixel, sum}}, {}}, scale);
         if (e.vertices.empty()) return;
         for (Vertex v : e.vertices) {

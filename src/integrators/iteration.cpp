@@ -127,6 +127,10 @@ IteratedIntegrator::IteratedIntegrator(const Scene& scene, const CommonOptions& 
       partition_(scene.camera().window(), options),
       radius_(merging.radius, merging.alpha) {}
 
+void IteratedIntegrator::weighByVariance(const VarianceParameters& variance) {
+    if (variance.varianceAware) eyeFactors_ = std::make_unique<EyeFactors>(scene_.camera().window());
+}
+
 void IteratedIntegrator::weighByPhotons(const WeighingParameters& weighing) {
     if (weighing.correlationAware) photons_ = std::make_unique<PhotonDensity>(kPhotonCell * radius_.radius());
 }
@@ -137,6 +141,8 @@ void IteratedIntegrator::addPass(Film& film, uint32_t pass) {
         iterate(film, pass, partition_.pixels(part), first);
         first += partition_.pixels(part).size();
     }
+    endPass();
+    if (eyeFactors_) eyeFactors_->endPass();
     radius_.advance();
 }
 
@@ -146,6 +152,7 @@ nlohmann::json IteratedIntegrator::iterationStatistics() const {
         {"bytes_per_vertex", sizeof(Vertex)},
         {"stored_bytes", eyes_.memoryBytes() + eyeWavefronts_.memoryBytes() + grid_.memoryBytes()}};
     if (radius_.radius() > 0) j["radius"] = radius_.radius();
+    if (eyeFactors_) j["eye_factors"] = {eyeFactors_->mean(1), eyeFactors_->mean(2), eyeFactors_->mean(3)};
     return j;
 }
 

@@ -94,23 +94,27 @@ class IteratedIntegrator : public Integrator {
   protected:
     /// `merging`: of radius 0 without merging.
     IteratedIntegrator(const Scene& scene, const CommonOptions& options, const MergingParameters& merging);
-    /// Sets up photons_ if the parameters ask for it.
+    /// Set up photons_ and eyeFactors_ if the parameters ask for them.
     void weighByPhotons(const WeighingParameters& weighing);
+    void weighByVariance(const VarianceParameters& variance);
 
     /// Adds what `pixels` and as many light subpaths, from index `first` of the pass, stand for.
     virtual void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) = 0;
+    /// All iterations of a pass have been made.
+    virtual void endPass() {}
     /// Part of the state of each of them.
     template <class Archive>
     void serializeIteration(Archive& archive) {
         archive(radius_);
         if (photons_) archive(*photons_);
+        if (eyeFactors_) archive(*eyeFactors_);
     }
     /// Traces an iteration's eye subpaths: eyes_ has their vertices.
     void traceEyes(const EyePass& pass, std::span<const uint32_t> pixels, Film& film) {
         eyeWavefronts_.run(pass, pixels, film, eyes_);
     }
     EyePass eyePass(const Strategies& strategies, uint32_t pass) {
-        return {scene_, options_.limits, strategies, nonFinite_, options_.seed, pass};
+        return {scene_, options_.limits, strategies, nonFinite_, options_.seed, pass, eyeFactors_.get()};
     }
     /// Over eyes_ and grid_.
     LightSubpathPass lightSubpathPass(const Strategies& strategies) {
@@ -124,6 +128,7 @@ class IteratedIntegrator : public Integrator {
     PixelPartition partition_;
     RadiusSchedule radius_;
     std::unique_ptr<PhotonDensity> photons_;  ///< of Strategies; null: merges are weighted as independent
+    std::unique_ptr<EyeFactors> eyeFactors_;  ///< of Strategies; null: plain balance heuristic
     EyeWavefronts eyeWavefronts_;
     EyeVertices eyes_;
     VertexGrid grid_;

@@ -18,6 +18,8 @@ struct LightSubpathModel {
     const LightSubpathIteration& iteration;
     PhotonDensity* photons;
     std::vector<std::vector<Vec3f>>* trails;  ///< of each lane, may be null
+    const ReplicaMixture& mix;
+    MixtureDensity& density;
 
     void startUniform(PrimarySample&, CounterRng&, size_t, size_t) const {}
     using Evaluations = std::span<const Evaluation<LightSubpathContribution>>;
@@ -30,11 +32,13 @@ struct LightSubpathModel {
         evaluateTogether(pass, jobs, coherence);
         for (const auto& [stream, c] : evaluations) {
             c->size = sizeOf(c->splats, iteration.target);
+            c->shared = c->splats.shared;
             c->squares = iteration.noise ? iteration.noise->squares(c->splats) : c->size * c->size;
         }
     }
     void pay(size_t lane, const LightSubpathContribution& c, double weight) const {
         film.addSplats(c.splats, weight, weight * iteration.filmShare);
+        density.add(lane, weight, mix.uniformWeight(c.size), c.shared, iteration.noise ? c.squares : 0);
         if (trails) (*trails)[lane].insert((*trails)[lane].end(), c.trail.begin(), c.trail.end());
     }
 };
@@ -59,10 +63,11 @@ ReplicaSettings replicaSettings(uint64_t seed, const ReplicaParameters& paramete
     return s;
 }
 
-void LightSubpathChains::begin(size_t samples, double radius) {
+void LightSubpathChains::begin(size_t samples, double radius, bool chains) {
     squaredRadius_ = radius * radius;
     lanes_.normalization().update(squaredRadius_);
-    if (boostKnown_) {
+    chainsRun_ = chains && ready_;
+    if (boostKnown_ && (chains || !ready_)) {
         mix_ = lanes_.mixture(samples);
     } else {
         mix_ = {};
@@ -70,24 +75,36 @@ void LightSubpathChains::begin(size_t samples, double radius) {
     }
 }
 
+double LightSubpathChains::effectiveSamples() const {
+    if (measureBoost && chainsRun_ && density_.ofShared() > 0) return density_.ofShared();
+    return mix_.samples() * mix_.boost();
+}
+
 void LightSubpathChains::run(const LightSubpathPass& pass, Film& film, const LightSubpathIteration& iteration,
                              PhotonDensity* photons) {
     for (std::vector<Vec3f>& t : trails_) t.clear();
-    if (!ready_) {
-        plainRun(pass, film, iteration, photons);
-        return;
-    }
-    const LightSubpathModel model{pass, film, iteration, photons, keepTrails ? &trails_ : nullptr};
+    if (!ready_) return plainRun(pass, film, iteration, photons);
+    // Their sizes are those of other weights than the chains', and do not enter b_V and b_F.
+    if (!chainsRun_) return independentRun(pass, film, iteration, photons, nullptr);
+    const LightSubpathModel model{pass, film,    iteration, photons, keepTrails ? &trails_ : nullptr,
+                                  mix_, density_};
     lanes_.run(model, mix_, iteration.pass, iteration.first);
     if (photons && mix_.uniform > 0) photons->endIteration(mix_.uniform);
     lanes_.endIteration(squaredRadius_);
+    density_.endIteration();
+}
+
+void LightSubpathChains::independentRun(const LightSubpathPass& pass, Film& film,
+                                        const LightSubpathIteration& iteration, PhotonDensity* photons,
+                                        std::vector<double>* sizes) {
+    independentLightSubpaths(pass, film, lanes_.settings().seed, iteration, photons, sizes);
+    if (photons) photons->endIteration(double(iteration.count));
 }
 
 void LightSubpathChains::plainRun(const LightSubpathPass& pass, Film& film,
                                   const LightSubpathIteration& iteration, PhotonDensity* photons) {
     std::vector<double> sizes;
-    independentLightSubpaths(pass, film, lanes_.settings().seed, iteration, photons, &sizes);
-    if (photons) photons->endIteration(double(iteration.count));
+    independentRun(pass, film, iteration, photons, &sizes);
     lanes_.addUniform(sizes);
     lanes_.endIteration(squaredRadius_);
     // b_V from a handful of samples is biased, and q and the weights with it: uniform passes go on until it

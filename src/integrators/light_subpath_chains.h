@@ -2,6 +2,7 @@
 /// Light subpaths from Markov chains: the light pass that mcmc_vcm, vpt and split_mcmc share.
 
 #include "integrators/iteration.h"
+#include "markov/mixture_density.h"
 #include "markov/replica_lanes.h"
 
 #include <nlohmann/json.hpp>
@@ -17,6 +18,7 @@ struct LightSubpathContribution {
     std::vector<Vec3f> trail;  ///< its smooth vertices, if LightSubpathChains::keepTrails
     double size = 0;           ///< F(u)
     double squares = 0;        ///< of its splats, relative to the image where that is known
+    double shared = 0;         ///< SplatList::shared
     bool visible() const { return size > 0; }
 };
 
@@ -32,12 +34,16 @@ nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaC
 /// iteration's subpaths come from the replicas.
 class LightSubpathChains {
   public:
-    explicit LightSubpathChains(const ReplicaSettings& settings) : lanes_(settings), trails_(lanes_.size()) {}
+    explicit LightSubpathChains(const ReplicaSettings& settings)
+        : lanes_(settings), density_(lanes_.size()), trails_(lanes_.size()) {}
 
-    /// Decides about the samples of the iteration to come, before its weights are known.
-    void begin(size_t samples, double radius);
-    /// M q of that iteration: light subpaths, times their density boost.
-    double effectiveSamples() const { return mix_.samples() * mix_.boost(); }
+    /// Decides about the samples of the iteration to come, before its weights are known. Without `chains`:
+    /// all are independent.
+    void begin(size_t samples, double radius, bool chains = true);
+    /// M q of that iteration: light subpaths, times their density boost. That of the visibility replica
+    /// stands for it (docs/explain/algorithm.md, section 1) until it has been measured where eye subpaths
+    /// compete.
+    double effectiveSamples() const;
     /// Traces the light subpaths and adds what they contribute to the film. `photons` (may be null) counts
     /// the vertices of the uniform ones.
     void run(const LightSubpathPass& pass, Film& film, const LightSubpathIteration& iteration,
@@ -49,26 +55,33 @@ class LightSubpathChains {
     /// keepTrails and for plain passes.
     std::vector<Vec3f> trails() const;
     bool keepTrails = false;
+    /// Whether effectiveSamples() is measured.
+    bool measureBoost = false;
+    const MixtureDensity& density() const { return density_; }
 
     /// Between two iterations.
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(lanes_, boostKnown_, ready_);
+        archive(lanes_, density_, boostKnown_, ready_);
     }
 
     nlohmann::json statistics() const;
     std::string progressNote() const;
 
   private:
+    void independentRun(const LightSubpathPass& pass, Film& film, const LightSubpathIteration& iteration,
+                        PhotonDensity* photons, std::vector<double>* sizes);
     void plainRun(const LightSubpathPass& pass, Film& film, const LightSubpathIteration& iteration,
                   PhotonDensity* photons);
 
     ReplicaLanes<LightSubpathContribution> lanes_;
+    MixtureDensity density_;
     std::vector<std::vector<Vec3f>> trails_;  ///< of each lane
     ReplicaMixture mix_;
     double squaredRadius_ = 0;
     bool boostKnown_ = false;  ///< b_V, and with it q, is known well enough for weights
     bool ready_ = false;
+    bool chainsRun_ = false;  ///< in the iteration of begin()
 };
 
 }  // namespace metrolux::core

@@ -1,3 +1,4 @@
+#include "integrators/chain_choice.h"
 #include "integrators/description.h"
 #include "integrators/light_subpath_chains.h"
 #include "integrators/resumable.h"
@@ -15,19 +16,21 @@ struct McmcVcmParameters {
     };
     MergingParameters merging;
     WeighingParameters weighing;
-    /// Connections cost as much as all else that a light subpath does, and where chains find the light that
-    /// is hard to find, merging carries most of it: this share has the smallest error in the same time on
-    /// most of the scenes of docs/lab/results.md ("Connections").
-    ConnectionParameters connections{1.0 / 16};
+    VarianceParameters variance;
+    double connections = 0;  ///< as ConnectionParameters; 0: kChainConnections or kIndependentConnections
     ReplicaParameters replicas{"uvf"};
     Target target = Target::Luminance;
     NormalizationMethod normalization = NormalizationMethod::Pooled;
+    bool fixed = false;
 
     template <class V>
     void visit(V&& v) {
         v(merging);
         v(weighing);
-        v(connections);
+        v(variance);
+        v("connections", connections,
+          Range::between(0, 1).zeroIs("1/64 of those from chains, 1/4 of independent ones"),
+          "share of the light subpaths that are connected with an eye subpath; changes noise alone");
         v(replicas);
         v("target", target,
           Choices<Target>{{{"luminance", Target::Luminance}, {"relative", Target::Relative}}},
@@ -36,8 +39,16 @@ struct McmcVcmParameters {
           Choices<NormalizationMethod>{
               {{"pooled", NormalizationMethod::Pooled}, {"bennett", NormalizationMethod::Bennett}}},
           "of f: from samples of u and v, or from all by Bennett's ratio; changes noise alone");
+        v("fixed", fixed, Flag{},
+          "always chains, weighted by what is visible: nothing is chosen by the noise so far");
     }
 };
+
+/// Share of the light subpaths that are connected with an eye subpath. Connections cost as much as all else
+/// that a light subpath does, and where chains find the light that is hard to find, merging carries most of
+/// it: these shares have the smallest error in the same time on most of the scenes of docs/lab/results.md
+/// ("Connections"). Where chains are no help, connections are.
+constexpr double kChainConnections = 1.0 / 64, kIndependentConnections = 1.0 / 4;
 
 ReplicaSettings settingsOf(uint64_t seed, const McmcVcmParameters& parameters, size_t samples) {
     ReplicaSettings settings = replicaSettings(seed, parameters.replicas, samples);
@@ -52,34 +63,46 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
     McmcVcmIntegrator(const Scene& scene, const CommonOptions& options, const McmcVcmParameters& parameters)
         : Resumable(scene, options, parameters.merging),
           parameters_(parameters),
-          chains_(settingsOf(options.seed, parameters, partition_.pixels(0).size())) {
+          chains_(settingsOf(options.seed, parameters, partition_.pixels(0).size())),
+          choosing_(!parameters.fixed && parameters.replicas.replicas == parameters.replicas.possible) {
+        chains_.measureBoost = !parameters.fixed;
         weighByPhotons(parameters.weighing);
+        weighByVariance(parameters.variance);
     }
 
     template <class Archive>
     void serialize(Archive& archive) {
         serializeIteration(archive);
-        archive(chains_);
+        archive(chains_, choice_);
     }
     nlohmann::json statistics() const override {
         nlohmann::json j = chains_.statistics();
         j.update(iterationStatistics());
+        j["light_subpaths"] = usesChains() ? "chains" : "independent";
+        j["boost"] = chains_.effectiveSamples() / samples_;
+        j["gain_of_chains"] = chains_.density().ofNoise() / samples_;
         return j;
     }
-    std::string progressNote() const override { return chains_.progressNote(); }
+    std::string progressNote() const override {
+        return chains_.progressNote() + (usesChains() ? "" : ", independent light subpaths");
+    }
 
   private:
     void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size()), r = radius_.radius();
-        chains_.begin(pixels.size(), r);
+        chains_.begin(pixels.size(), r, usesChains());
+        samples_ = n;
         Strategies strategies = Strategies::bidirectional(chains_.effectiveSamples() / n,
                                                           n * std::numbers::pi * r * r, photons_.get());
-        strategies.connect = parameters_.connections.connections;
+        strategies.eyeFactors = eyeFactors_.get();
+        strategies.connect = parameters_.connections;
+        if (!(strategies.connect > 0))
+            strategies.connect = usesChains() ? kChainConnections : kIndependentConnections;
         traceEyes(eyePass(strategies, pass), pixels, film);
         grid_.build(positionsOf(eyes_.all()), static_cast<float>(r));
         const LightSubpathPass light = lightSubpathPass(strategies);
         const bool relative = parameters_.target == McmcVcmParameters::Target::Relative;
-        const bool measured = parameters_.replicas.split.measured;
+        const bool measured = parameters_.replicas.split.measured || (choosing_ && choice_.judging());
         if (first == 0 && (relative || measured)) importance_.update(film);
         LightSubpathIteration iteration{pass, first, pixels.size(), n / film.pixelCount()};
         if (relative) iteration.target = &importance_;
@@ -87,8 +110,16 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         chains_.run(light, film, iteration, photons_.get());
     }
 
+    bool usesChains() const { return !choosing_ || choice_.chains(); }
+    void endPass() override {
+        if (choosing_ && chains_.ready()) choice_.endPass(chains_.density().ofNoise() / samples_);
+    }
+
     McmcVcmParameters parameters_;
     LightSubpathChains chains_;
+    bool choosing_;
+    ChainChoice choice_;
+    double samples_ = 1;  ///< light subpaths of the last iteration
     PixelImportance importance_;
 };
 

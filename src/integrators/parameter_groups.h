@@ -38,6 +38,15 @@ struct WeighingParameters {
     }
 };
 
+struct VarianceParameters {
+    bool varianceAware = true;  ///< Strategies::eyeFactors
+    template <class V>
+    void visit(V&& v) {
+        v("variance_aware", varianceAware, Flag{},
+          "weigh what eye subpaths find alone by its variance in the passes before");
+    }
+};
+
 struct ConnectionParameters {
     double connections = 1;  ///< any value is unbiased
     template <class V>

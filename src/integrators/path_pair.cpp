@@ -36,13 +36,14 @@ class EmitterAt final : public SubpathVisitor {
 
     bool surface(const Vertex& v) override {
         if (v.depth < depth_) return true;
-        if (v.emitter()) value_ = hitLight(pair_.scene, pair_.strategies, v);
+        if (v.emitter()) value_ = hitLight(pair_.scene, pair_.strategies, v).value;
         return false;
     }
     void escaped(const Vec3f& from, const WalkEdge& edge, int depth) override {
         if (depth == depth_)
             value_ = hitEnvironment(pair_.scene, pair_.strategies, from, edge.ray.direction, edge.throughput,
-                                    edge.mis, depth);
+                                    edge.mis, depth)
+                         .value;
     }
 
   private:
@@ -76,7 +77,7 @@ void PathPair::all(SampleStream& u, SplatList& splats) const {
     const EyePass eyePass{scene, indirect, strategies, nonFinite};
     thread_local std::vector<Vertex> eye;  // keeps its memory
     eye.clear();
-    Rgb sum = eyePass.trace(streams.eye, &streams.nee, raster, film.reach().area(), 0, eye);
+    Rgb sum = eyePass.trace(streams.eye, &streams.nee, raster, film.reach().area(), 0, eye).value;
 
     if (photons)
         for (const Vertex& v : eye) {
@@ -116,7 +117,7 @@ void PathPair::one(int length, SampleStream& u, SplatList& splats) const {
     }
     if (t == 1) {
         const Vec2f uLens = read(streams.light, layout::kSplatLens);
-        const Rgb value = connectToCamera(scene, strategies, *light.vertex(), uLens, raster);
+        const Rgb value = connectToCamera(scene, strategies, *light.vertex(), uLens, raster).value;
         return add(value, Technique::Splat);
     }
     const float area = film.reach().area();
@@ -128,10 +129,10 @@ void PathPair::one(int length, SampleStream& u, SplatList& splats) const {
     traceEyeSubpath(scene, streams.eye, limits, strategies, raster, area, 0, eye);
     if (!eye.canConnect()) return;
     if (s == 1) {
-        add(EyePass{scene, limits, strategies, nonFinite}.estimateDirect(*eye.vertex(), streams.nee),
+        add(EyePass{scene, limits, strategies, nonFinite}.estimateDirect(*eye.vertex(), streams.nee).value,
             Technique::Nee);
     } else {
-        add(connectVertices(scene, strategies, *light.vertex(), *eye.vertex()), Technique::Connect);
+        add(connectVertices(scene, strategies, *light.vertex(), *eye.vertex()).value, Technique::Connect);
     }
 }
 

@@ -16,7 +16,7 @@ Rgb PhotonMap::merge(const Strategies& strategies, const Vertex& eye, int maxDep
     grid_.query(eye.si.p, [&](uint32_t index) {
         const Vertex& light = vertices_[index];
         if (maxDepth < 0 || light.depth + eye.depth <= maxDepth)
-            sum += mergeVertices(strategies, light, eye, inverseDiskArea_);
+            sum += mergeVertices(strategies, light, eye, inverseDiskArea_).value;
     });
     return sum;
 }

@@ -11,11 +11,13 @@ namespace {
 struct VcmParameters {
     MergingParameters merging;
     WeighingParameters weighing;
+    VarianceParameters variance;
     ConnectionParameters connections;
     template <class V>
     void visit(V&& v) {
         v(merging);
         v(weighing);
+        v(variance);
         v(connections);
     }
 };
@@ -29,6 +31,7 @@ class VcmIntegrator final : public Resumable<VcmIntegrator, IteratedIntegrator> 
           connections_(parameters.connections.connections),
           merge_(true) {
         weighByPhotons(parameters.weighing);
+        weighByVariance(parameters.variance);
     }
     VcmIntegrator(const Scene& scene, const CommonOptions& options, const ConnectionParameters& parameters)
         : Resumable(scene, options, MergingParameters{0}),
@@ -46,6 +49,7 @@ class VcmIntegrator final : public Resumable<VcmIntegrator, IteratedIntegrator> 
         const double n = double(pixels.size()), r = radius_.radius();
         Strategies strategies =
             Strategies::bidirectional(1, merge_ ? n * std::numbers::pi * r * r : 0, photons_.get());
+        strategies.eyeFactors = eyeFactors_.get();
         strategies.connect = connections_;
         traceEyes(eyePass(strategies, pass), pixels, film);
         if (merge_) grid_.build(positionsOf(eyes_.all()), static_cast<float>(r));

@@ -4,28 +4,39 @@
 
 namespace metrolux::core {
 
-Rgb hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v) {
+namespace {
+EyeFinding weighHit(const Rgb& all, const EyeWeight& w, const MisState& mis) {
+    return {all * static_cast<float>(w.weight), luminance(all) * static_cast<float>(w.alone), mis.smooth};
+}
+}  // namespace
+
+EyeFinding hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v) {
     const Light& light = *v.emitter();
     const Rgb radiance = light.radiance(v.si, v.toPrevious);
-    if (isBlack(radiance)) return Rgb(0.0f);
-    if (v.depth == 1) return radiance * v.throughput;
+    if (isBlack(radiance)) return {};
+    const Rgb all = radiance * v.throughput;
+    if (v.depth == 1) return weighHit(all, {}, v.mis);
 
     const LightEdge edge = surfaceHitEdge(scene, v);
-    return radiance * v.throughput *
-           static_cast<float>(hitWeight(strategies, v.mis, edge.pdfNeeAtLight(), edge.pdfEmission()));
+    return weighHit(all, hitWeight(strategies, v.mis, edge.pdfNeeAtLight(), edge.pdfEmission()), v.mis);
 }
 
-Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from,
-                   const Vec3f& direction, const Rgb& throughput, const MisState& mis, int depth) {
+EyeFinding hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from,
+                          const Vec3f& direction, const Rgb& throughput, const MisState& mis, int depth) {
     const Light* light = scene.environment();
-    if (!light) return Rgb(0.0f);
+    if (!light) return {};
     const Rgb radiance = light->environmentRadiance(direction);
-    if (isBlack(radiance)) return Rgb(0.0f);
-    if (depth == 1) return radiance * throughput;
+    if (isBlack(radiance)) return {};
+    const Rgb all = radiance * throughput;
+    if (depth == 1) return weighHit(all, {}, mis);
 
     const LightEdge edge = environmentHitEdge(scene, *light, from, direction);
-    return radiance * throughput *
-           static_cast<float>(hitWeight(strategies, mis, edge.pdfNeeAtLight(), edge.pdfEmission()));
+    return weighHit(all, hitWeight(strategies, mis, edge.pdfNeeAtLight(), edge.pdfEmission()), mis);
+}
+
+EyeFinding findLight(const Vertex& eye, const PendingConnection& pending, const Rgb& visibility) {
+    return {throughEdge(pending.value, visibility), isBlack(visibility) ? 0.0f : pending.alone,
+            eye.mis.smooth + 1};
 }
 
 bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
@@ -39,9 +50,11 @@ bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex
     pending.shadow = choice.light->isInfinite() ? scene.rayToInfinity(eye.si.p, eye.si.ng, c->wi)
                                                 : scene.rayBetween(eye.si.p, eye.si.ng, c->point, c->ng);
 
-    const double weight =
+    const EyeWeight weight =
         neeWeight(strategies, eye.mis, neeEdge(choice, *c, eye), s.pdfForward, s.pdfReverse);
-    pending.value = eye.throughput * s.value * c->value * static_cast<float>(weight / choice.probability);
+    const Rgb all = eye.throughput * s.value * c->value;
+    pending.value = all * static_cast<float>(weight.weight / choice.probability);
+    pending.alone = luminance(all) * static_cast<float>(weight.alone / choice.probability);
     return true;
 }
 
@@ -58,8 +71,10 @@ bool prepareCamera(const Scene& scene, const Strategies& strategies, const Verte
     const double cosine = light.cosine(c->wi);
     const double pdfAreaFromEye =
         camera.isInfinite() ? c->pdfPosition * cosine : c->pdfDirection * cosine / sqr(double(c->distance));
-    const double weight = splatWeight(strategies, light.mis, pdfAreaFromEye, s.pdfReverse);
-    pending.value = light.throughput * s.value * c->value * static_cast<float>(weight);
+    const LightWeight weight =
+        splatWeight(strategies, light.mis, strategies.regionOf(raster), pdfAreaFromEye, s.pdfReverse);
+    pending.value = light.throughput * s.value * c->value * static_cast<float>(weight.weight);
+    pending.eyeShare = static_cast<float>(weight.eyeShare);
     return !isBlack(pending.value);
 }
 
@@ -77,52 +92,56 @@ bool prepareVertices(const Scene& scene, const Strategies& strategies, const Ver
 
     const double pdfAreaFromEye = e.pdfForward * light.cosine(toLight) / distanceSquared;
     const double pdfAreaFromLight = l.pdfForward * eye.cosine(toLight) / distanceSquared;
-    const double weight = connectWeight(strategies, light.mis, eye.mis, pdfAreaFromEye, pdfAreaFromLight,
-                                        l.pdfReverse, e.pdfReverse);
-    pending.value =
-        light.throughput * l.value * eye.throughput * e.value * static_cast<float>(weight / distanceSquared);
+    const LightWeight weight = connectWeight(strategies, light.mis, eye.mis, pdfAreaFromEye, pdfAreaFromLight,
+                                             l.pdfReverse, e.pdfReverse);
+    pending.value = light.throughput * l.value * eye.throughput * e.value *
+                    static_cast<float>(weight.weight / distanceSquared);
+    pending.eyeShare = static_cast<float>(weight.eyeShare);
     if (isBlack(pending.value)) return false;
     pending.shadow = scene.rayBetween(eye.si.p, eye.si.ng, light.si.p, light.si.ng);
     return true;
 }
 
 namespace {
-Rgb valueOf(const Scene& scene, bool possible, const PendingConnection& pending) {
-    return possible ? throughEdge(pending.value, visibility(scene, pending.shadow)) : Rgb(0.0f);
+LightFinding findingOf(const Scene& scene, bool possible, const PendingConnection& pending) {
+    if (!possible) return {};
+    return {throughEdge(pending.value, visibility(scene, pending.shadow)), pending.eyeShare};
 }
 }  // namespace
 
-Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
-                   const Vec2f& u) {
+EyeFinding connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
+                          const Vec2f& u) {
     PendingConnection pending;
-    return valueOf(scene, prepareLight(scene, strategies, eye, uLight, u, pending), pending);
+    if (!prepareLight(scene, strategies, eye, uLight, u, pending)) return {};
+    return findLight(eye, pending, visibility(scene, pending.shadow));
 }
 
-Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
-                    Vec2f& raster) {
+LightFinding connectToCamera(const Scene& scene, const Strategies& strategies, const Vertex& light,
+                             const Vec2f& uLens, Vec2f& raster) {
     PendingConnection pending;
-    return valueOf(scene, prepareCamera(scene, strategies, light, uLens, raster, pending), pending);
+    return findingOf(scene, prepareCamera(scene, strategies, light, uLens, raster, pending), pending);
 }
 
-Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light,
-                    const Vertex& eye) {
+LightFinding connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light,
+                             const Vertex& eye) {
     PendingConnection pending;
-    return valueOf(scene, prepareVertices(scene, strategies, light, eye, pending), pending);
+    return findingOf(scene, prepareVertices(scene, strategies, light, eye, pending), pending);
 }
 
-Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
-                  double inverseDiskArea) {
+LightFinding mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
+                           double inverseDiskArea) {
     constexpr float kMinimalNormalAgreement = 0.5f;
-    if (dot(light.si.ng, eye.si.ng) < kMinimalNormalAgreement) return Rgb(0.0f);
+    if (dot(light.si.ng, eye.si.ng) < kMinimalNormalAgreement) return {};
     // The density of photons on the surface is proportional to the cosine at the light vertex, S to that of
     // the shading normal: their ratio is the factor of [Veach97] for this vertex.
     const float cosineLight = light.cosine(light.toPrevious);
-    if (!(cosineLight > 0)) return Rgb(0.0f);
+    if (!(cosineLight > 0)) return {};
     const VertexScattering s = scatterEye(eye, light.toPrevious);
-    if (isBlack(s.value)) return Rgb(0.0f);
-    const double weight = mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse);
-    return light.throughput * eye.throughput * s.value *
-           static_cast<float>(weight * inverseDiskArea / cosineLight);
+    if (isBlack(s.value)) return {};
+    const LightWeight weight = mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse);
+    return {light.throughput * eye.throughput * s.value *
+                static_cast<float>(weight.weight * inverseDiskArea / cosineLight),
+            static_cast<float>(weight.eyeShare)};
 }
 
 }  // namespace metrolux::core

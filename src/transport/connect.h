@@ -7,17 +7,26 @@
 
 namespace metrolux::core {
 
+/// What an eye subpath finds by itself.
+struct EyeFinding {
+    Rgb value{0.0f};
+    float alone = 0;  ///< luminance of what it would be if hit and nee were all techniques
+    int smooth = 0;   ///< PathClass::smooth of its path
+};
+
 /// Eye subpath ends on the area light at `v` (s = 0).
-Rgb hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v);
+EyeFinding hitLight(const Scene& scene, const Strategies& strategies, const Vertex& v);
 
 /// Eye subpath leaves the scene into the environment (s = 0), see SubpathVisitor::escaped.
-Rgb hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from,
-                   const Vec3f& direction, const Rgb& throughput, const MisState& mis, int depth);
+EyeFinding hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from,
+                          const Vec3f& direction, const Rgb& throughput, const MisState& mis, int depth);
 
 /// A connection whose visibility is still to be asked for.
 struct PendingConnection {
-    Rgb value{0.0f};  ///< if nothing is in the way
-    Ray shadow;       ///< of visibility()
+    Rgb value{0.0f};     ///< if nothing is in the way
+    Ray shadow;          ///< of visibility()
+    float alone = 0;     ///< of next-event estimation: EyeFinding::alone if nothing is in the way
+    float eyeShare = 0;  ///< of a light vertex: LightWeight::eyeShare
 };
 
 /// Share of the light that passes an edge whose shadow ray is blocked by a surface or not.
@@ -28,30 +37,40 @@ inline Rgb throughEdge(const Rgb& value, const Rgb& visibility) {
     return isBlack(visibility) ? Rgb(0.0f) : value * visibility;
 }
 
+/// Next-event estimation at `eye` through this edge.
+EyeFinding findLight(const Vertex& eye, const PendingConnection& pending, const Rgb& visibility);
+
 /// Eye vertex to a fresh light point (s = 1). False when its value is zero whatever is in the way.
 bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
                   const Vec2f& u, PendingConnection& pending);
 /// The same with its visibility.
-Rgb connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
-                   const Vec2f& u);
+EyeFinding connectToLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
+                          const Vec2f& u);
+
+/// What a light subpath finds.
+struct LightFinding {
+    Rgb value{0.0f};
+    float eyeShare = 0;  ///< LightWeight::eyeShare
+};
 
 /// Light vertex to the camera (t = 1). The value is per pixel area at `raster`. False when it is zero
 /// whatever is in the way.
 bool prepareCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
                    Vec2f& raster, PendingConnection& pending);
 /// The same with its visibility.
-Rgb connectToCamera(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vec2f& uLens,
-                    Vec2f& raster);
+LightFinding connectToCamera(const Scene& scene, const Strategies& strategies, const Vertex& light,
+                             const Vec2f& uLens, Vec2f& raster);
 
 /// Light vertex to eye vertex (s, t >= 2). False when the value is zero whatever is in the way.
 bool prepareVertices(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vertex& eye,
                      PendingConnection& pending);
 /// The same with its visibility.
-Rgb connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light, const Vertex& eye);
+LightFinding connectVertices(const Scene& scene, const Strategies& strategies, const Vertex& light,
+                             const Vertex& eye);
 
 /// Light vertex merged with an eye vertex at distance <= radius; the value is multiplied by 1 / (pi r^2).
 /// Photons from the other side of a thin wall are refused by their normals.
-Rgb mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
-                  double inverseDiskArea);
+LightFinding mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
+                           double inverseDiskArea);
 
 }  // namespace metrolux::core

@@ -14,13 +14,13 @@ class EyeVisitor final : public SubpathVisitor {
     EyeVisitor(const EyePass& pass, SampleStream* nee, std::vector<Vertex>& kept)
         : pass_(pass), nee_(nee), kept_(kept) {}
 
-    const Rgb& sum() const { return sum_; }
+    const EyeSum& sum() const { return sum_; }
 
     bool surface(const Vertex& v) override {
-        sum_ += pass_.hit(v);
+        sum_.add(pass_.hit(v));
         joins_ = pass_.joins(v);
         if (joins_ && pass_.extensible(v)) {
-            if (nee_ && pass_.strategies.nee > 0) sum_ += pass_.estimateDirect(v, *nee_);
+            if (nee_ && pass_.strategies.nee > 0) sum_.add(pass_.estimateDirect(v, *nee_));
             if (pass_.strategies.joinsSubpaths()) kept_.push_back(v);
         }
         return true;
@@ -29,14 +29,14 @@ class EyeVisitor final : public SubpathVisitor {
     bool scattered(bool delta) override { return pass_.follows(joins_, delta); }
 
     void escaped(const Vec3f& from, const WalkEdge& edge, int depth) override {
-        sum_ += pass_.escaped(from, edge, depth);
+        sum_.add(pass_.escaped(from, edge, depth));
     }
 
   private:
     const EyePass& pass_;
     SampleStream* nee_;
     std::vector<Vertex>& kept_;
-    Rgb sum_{0.0f};
+    EyeSum sum_;
     bool joins_ = false;  ///< at the last vertex
 };
 
@@ -51,13 +51,18 @@ void EyePass::run(std::span<const uint32_t> pixels, Film& film, EyeVertices& res
         float weight = 1;
         const Vec2f raster = film.samplePosition(pixel, read(stream, layout::kRaster), weight);
         kept.clear();
-        film.addEye(pixel, trace(stream, &nee, raster, weight, pixel, kept));
+        add(pixel, trace(stream, &nee, raster, weight, pixel, kept), film);
         result.append(kept);
     }
 }
 
-Rgb EyePass::trace(SampleStream& stream, SampleStream* nee, const Vec2f& raster, float weight, uint32_t pixel,
-                   std::vector<Vertex>& kept) const {
+void EyePass::add(uint32_t pixel, const EyeSum& sum, Film& film) const {
+    film.addEye(pixel, sum.value);
+    if (factors) factors->set(pixel, sum.alone);
+}
+
+EyeSum EyePass::trace(SampleStream& stream, SampleStream* nee, const Vec2f& raster, float weight,
+                      uint32_t pixel, std::vector<Vertex>& kept) const {
     EyeVisitor visitor(*this, nee, kept);
     traceEyeSubpath(scene, stream, limits, strategies, raster, weight, pixel, visitor);
     return visitor.sum();
@@ -69,22 +74,22 @@ uint64_t EyePass::key(const FilmWindow& w, uint32_t pixel) const {
     return hashKey(seed, StreamPurpose::EyeSubpath, x, y);
 }
 
-Rgb EyePass::hit(const Vertex& v) const {
-    if (!v.emitter() || !countsHit(v.depth)) return Rgb(0.0f);
-    return nonFinite.finite(hitLight(scene, strategies, v), Technique::Hit);
+EyeFinding EyePass::hit(const Vertex& v) const {
+    if (!v.emitter() || !countsHit(v.depth)) return {};
+    return finite(hitLight(scene, strategies, v), Technique::Hit);
 }
 
-Rgb EyePass::escaped(const Vec3f& from, const WalkEdge& edge, int depth) const {
-    if (!countsHit(depth)) return Rgb(0.0f);
-    return nonFinite.finite(
+EyeFinding EyePass::escaped(const Vec3f& from, const WalkEdge& edge, int depth) const {
+    if (!countsHit(depth)) return {};
+    return finite(
         hitEnvironment(scene, strategies, from, edge.ray.direction, edge.throughput, edge.mis, depth),
         Technique::Hit);
 }
 
-Rgb EyePass::estimateDirect(const Vertex& v, SampleStream& nee) const {
+EyeFinding EyePass::estimateDirect(const Vertex& v, SampleStream& nee) const {
     const float uLight = read(nee, layout::kNeeLight, v.depth);
     const Vec2f uPoint = read(nee, layout::kNeePoint, v.depth);
-    return nonFinite.finite(connectToLight(scene, strategies, v, uLight, uPoint), Technique::Nee);
+    return finite(connectToLight(scene, strategies, v, uLight, uPoint), Technique::Nee);
 }
 
 }  // namespace metrolux::core

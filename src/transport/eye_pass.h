@@ -4,6 +4,7 @@
 #include "image/film.h"
 #include "sampling/sample_stream.h"
 #include "scene/scene.h"
+#include "transport/connect.h"
 #include "transport/technique.h"
 #include "transport/walk.h"
 
@@ -38,6 +39,16 @@ struct EyeVertices {
     }
 };
 
+/// The sums of what one eye subpath has found.
+struct EyeSum {
+    Rgb value{0.0f};
+    EyeEstimate alone{};
+    void add(const EyeFinding& found) {
+        value += found.value;
+        addTo(alone, found.smooth, found.alone);
+    }
+};
+
 /// Traces the eye subpaths of an iteration: adds hit and nee to the film and keeps the vertices that light
 /// subpaths are joined with, as far as the strategies have them. This is the definition, one subpath after
 /// the other; wavefront/eye_wavefront.h gives the same bits faster.
@@ -48,6 +59,7 @@ struct EyePass {
     NonFiniteCounts& nonFinite;  ///< counts what trace() and its parts leave out
     uint64_t seed = 0;
     uint32_t pass = 0;
+    EyeFactors* factors = nullptr;  ///< learns what each pixel's subpath has found, if given
 
     /// `pixels`: indices in the film's window.
     void run(std::span<const uint32_t> pixels, Film& film, EyeVertices& result) const;
@@ -55,8 +67,10 @@ struct EyePass {
     /// Traces one eye subpath (traceEyeSubpath) through `raster` and returns its hit and nee; appends its
     /// vertices to `kept`. Next-event estimation at depth d reads block d of `nee`; without a stream it is
     /// left to the caller.
-    Rgb trace(SampleStream& stream, SampleStream* nee, const Vec2f& raster, float weight, uint32_t pixel,
-              std::vector<Vertex>& kept) const;
+    EyeSum trace(SampleStream& stream, SampleStream* nee, const Vec2f& raster, float weight, uint32_t pixel,
+                 std::vector<Vertex>& kept) const;
+    /// Adds what the subpath of a pixel has found to the film.
+    void add(uint32_t pixel, const EyeSum& sum, Film& film) const;
 
     // What trace() is made of, for those who trace many subpaths together.
 
@@ -66,10 +80,10 @@ struct EyePass {
     WalkRules rules() const { return {scene, limits, strategies, TransportMode::Radiance}; }
 
     /// What hitting an emitter by chance adds: at a vertex, and beyond the scene (SubpathVisitor::escaped).
-    Rgb hit(const Vertex& v) const;
-    Rgb escaped(const Vec3f& from, const WalkEdge& edge, int depth) const;
+    EyeFinding hit(const Vertex& v) const;
+    EyeFinding escaped(const Vec3f& from, const WalkEdge& edge, int depth) const;
     /// Next-event estimation at one vertex of a subpath.
-    Rgb estimateDirect(const Vertex& v, SampleStream& nee) const;
+    EyeFinding estimateDirect(const Vertex& v, SampleStream& nee) const;
 
     /// Whether other techniques than hit work at a vertex. Photon mapping leaves narrow lobes to the walk.
     bool joins(const Vertex& v) const {
@@ -80,6 +94,11 @@ struct EyePass {
     /// Whether the direction is followed that a vertex scattered into, which joins() or not.
     bool follows(bool joined, bool delta) const {
         return delta || !joined || strategies.mergeAt == Strategies::MergeAt::EveryVertex;
+    }
+
+    /// The finding, or nothing in place of one that is not finite.
+    EyeFinding finite(const EyeFinding& found, Technique technique) const {
+        return nonFinite.reject(found.value, technique) ? EyeFinding{} : found;
     }
 
   private:

@@ -38,16 +38,17 @@ class LightSubpathVisitor final : public SubpathVisitor {
     void splat(const Vertex& v) {
         if (!pass_.limits.admits(v.depth + 1)) return;
         Vec2f raster;
-        const Rgb value = connectToCamera(pass_.scene, pass_.strategies, v, uLens_, raster);
+        const auto [value, eyeShare] = connectToCamera(pass_.scene, pass_.strategies, v, uLens_, raster);
         if (!pass_.nonFinite.reject(value, Technique::Splat) && !isBlack(value))
-            job_.splats->film.push_back({raster, value});
+            job_.splats->add(raster, value, eyeShare);
     }
     void connect(const Vertex& v) {
         for (const Vertex& eye : partner_.vertices)
-            if (pass_.limits.admits(v.depth + eye.depth + 1))
-                pass_.addPixel(eye.pixel,
-                               connectVertices(pass_.scene, pass_.strategies, v, eye) * partner_.scale,
-                               Technique::Connect, *job_.splats);
+            if (pass_.limits.admits(v.depth + eye.depth + 1)) {
+                LightFinding found = connectVertices(pass_.scene, pass_.strategies, v, eye);
+                found.value *= partner_.scale;
+                pass_.addPixel(eye.pixel, found, Technique::Connect, *job_.splats);
+            }
     }
 
     const LightSubpathPass& pass_;

@@ -61,8 +61,9 @@ struct LightSubpathPass {
         return limits.maxDepth < 0 || v.depth + edges <= limits.maxDepth;
     }
     /// Adds a finite contribution to a pixel.
-    void addPixel(uint32_t pixel, const Rgb& value, Technique technique, SplatList& splats) const {
-        if (!nonFinite.reject(value, technique) && !isBlack(value)) splats.pixels.push_back({pixel, value});
+    void addPixel(uint32_t pixel, const LightFinding& found, Technique technique, SplatList& splats) const {
+        if (!nonFinite.reject(found.value, technique) && !isBlack(found.value))
+            splats.add(pixel, found.value, found.eyeShare);
     }
 };
 

@@ -55,18 +55,41 @@ struct LightEdge {
 
 /// Partial sums of the weight at a vertex, of the techniques that join the subpaths there or before. dVCM is
 /// one over the density of the vertex; at a subpath's first vertex it is multiplied by the count of the
-/// technique that joins there (nee or splat), which connections do further on.
+/// technique that joins there (nee or splat), which connections do further on. The sum dVC of TR is kept in
+/// two parts, because the factor of what eye subpaths find alone (Strategies::eyeFactor) is known only when
+/// the path is complete. (TR's dVM is dVC over the count of merging.)
 struct MisState {
-    double dVCM = 0, dVC = 0, dVM = 0;
+    double dVCM = 0;
+    double dEnd = 0;       ///< part of dVC: the techniques at the endpoint, nee and hit or splat
+    double dInner = 0;     ///< part of dVC: connections and merges
     float mergeShare = 1;  ///< Strategies::mergeShare() at this vertex
+    uint16_t region = 0;   ///< eye subpaths: PathClass::region
+    uint8_t smooth = 0;    ///< vertices before this one that scattered by a smooth lobe, 255 at most
     bool first = true;     ///< the vertex after the endpoint
 
-    /// The term of the technique that joins the subpaths before this vertex.
-    double joined(const Strategies& n) const { return first ? dVCM : n.connect * dVCM; }
+    /// The two parts of a sum over techniques.
+    struct Sums {
+        double end, inner;
+        double total(double endFactor = 1) const { return endFactor * end + inner; }
+    };
+    /// The technique that joins the subpaths before this vertex.
+    Sums joined(const Strategies& n) const { return first ? Sums{dVCM, 0} : Sums{0, n.connect * dVCM}; }
+    /// All techniques that join the subpaths at this vertex (a merge) or before; pdfReverse is that of the
+    /// direction to the predecessor, `share` of the merge.
+    Sums sums(const Strategies& n, double pdfReverse, double share) const {
+        const Sums before = joined(n);
+        return {before.end + pdfReverse * dEnd, n.merge * share + before.inner + pdfReverse * dInner};
+    }
+    Sums sums(const Strategies& n, double pdfReverse) const { return sums(n, pdfReverse, mergeShare); }
 
     /// Eye subpath after its first ray; `pdfFromEye` per solid angle over the whole film, or per area on the
     /// film plane for a camera without position (orthographic): TR eq. 31-33.
-    static MisState startEye(const Strategies& n, double pdfFromEye) { return {n.splat / pdfFromEye, 0, 0}; }
+    static MisState startEye(const Strategies& n, double pdfFromEye, uint16_t region = 0) {
+        MisState s;
+        s.dVCM = n.splat / pdfFromEye;
+        s.region = region;
+        return s;
+    }
 
     /// Light subpath on arrival at its first surface point x1: TR eq. 31-33, for delta lights eq. 48-50.
     /// Takes the place of start and arrive, because the density of next-event estimation may depend on x1.
@@ -75,8 +98,7 @@ struct MisState {
         s.dVCM = n.nee / e.emissionOverNee();
         if (!e.delta) {
             const double cosine = e.kind == EndpointKind::Surface ? e.cosineLight : 1.0;
-            s.dVC = n.hit * cosine / (e.pdfEmission() * e.cosineSurface);
-            s.dVM = n.merge > 0 ? s.dVC / n.merge : 0;
+            s.dEnd = n.hit * cosine / (e.pdfEmission() * e.cosineSurface);
         }
         return s;
     }
@@ -85,17 +107,19 @@ struct MisState {
     /// eq. 31-33 and 34-36.
     void arrive(double distanceSquared, double cosine) {
         dVCM *= distanceSquared / cosine;
-        dVC /= cosine;
-        dVM /= cosine;
+        dEnd /= cosine;
+        dInner /= cosine;
     }
 
     /// Scattering by a smooth lobe. `cosine` is that of the outgoing direction with the geometric normal;
     /// pdfForward of the outgoing direction, pdfReverse of the direction to the predecessor.
     void scatter(const Strategies& n, double cosine, double pdfForward, double pdfReverse) {
-        const double g = cosine / pdfForward, before = joined(n);
-        dVC = g * (n.merge * mergeShare + before + pdfReverse * dVC);                    // TR eq. 35
-        dVM = n.merge > 0 ? g * (mergeShare + before / n.merge + pdfReverse * dVM) : 0;  // TR eq. 36
-        dVCM = 1.0 / pdfForward;                                                         // TR eq. 34
+        const double g = cosine / pdfForward;
+        const Sums s = sums(n, pdfReverse);  // TR eq. 35
+        dEnd = g * s.end;
+        dInner = g * s.inner;
+        dVCM = 1.0 / pdfForward;  // TR eq. 34
+        smooth += smooth < 255;
         first = false;
     }
 
@@ -106,60 +130,85 @@ struct MisState {
     void scatterDelta(double cosine, double probabilityRatio, double solidAngleRatio) {
         const double g = cosine * probabilityRatio * solidAngleRatio;
         dVCM = 0;
-        dVC *= g;
-        dVM *= g;
+        dEnd *= g;
+        dInner *= g;
         first = false;
     }
 };
 
-// Each weight is TR eq. 37, 1 / (light side + 1 + eye side), of a path that its technique makes. Where each
-// path has one technique (photon mapping), all weights are one.
+// Each weight is TR eq. 37, 1 / (light side + 1 + eye side), of a path that its technique makes, with the
+// counts of hit and nee multiplied by the factor of the path's class. Where each path has one technique
+// (photon mapping), all weights are one.
+
+/// Weight of a path that an eye subpath has found, and the one it would have if hit and nee were all.
+struct EyeWeight {
+    double weight = 1;
+    double alone = 1;
+};
 
 /// Of hitting a light with the eye subpath. pdfNee: LightEdge::pdfNeeAtLight(), `pdfEmission` of x0 and its
 /// direction.
-inline double hitWeight(const Strategies& n, const MisState& eye, double pdfNee, double pdfEmission) {
-    if (n.oneTechniqueForEachPath()) return 1;
-    return 1.0 / (1.0 + n.nee / n.hit * pdfNee * eye.dVCM + pdfEmission * eye.dVC / n.hit);  // TR eq. 43
+inline EyeWeight hitWeight(const Strategies& n, const MisState& eye, double pdfNee, double pdfEmission) {
+    if (n.oneTechniqueForEachPath()) return {};
+    const double factor = n.eyeFactor({eye.region, eye.smooth});
+    const double nee = n.nee / n.hit * pdfNee * eye.dVCM;
+    const double others = pdfEmission * (eye.dEnd + eye.dInner) / (n.hit * factor);
+    return {1.0 / (1.0 + nee + others), 1.0 / (1.0 + nee)};  // TR eq. 43
 }
 
 /// Of next-event estimation. At the eye vertex: pdfFromEye of the direction toward the light, pdfFromLight of
 /// that to the eye subpath's predecessor.
-inline double neeWeight(const Strategies& n, const MisState& eye, const LightEdge& e, double pdfFromEye,
-                        double pdfFromLight) {
+inline EyeWeight neeWeight(const Strategies& n, const MisState& eye, const LightEdge& e, double pdfFromEye,
+                           double pdfFromLight) {
+    const double factor = n.eyeFactor({eye.region, eye.smooth + 1});
     const double lightSide = e.delta ? 0.0 : n.hit / n.nee * pdfFromEye / e.pdfNee;  // TR eq. 44
-    const double eyeSide = e.emissionOverNee() / n.nee *
-                           (n.merge * eye.mergeShare + eye.joined(n) + pdfFromLight * eye.dVC);  // TR eq. 45
-    return 1.0 / (1.0 + lightSide + eyeSide);
+    const double eyeSide =
+        e.emissionOverNee() / (n.nee * factor) * eye.sums(n, pdfFromLight).total();  // TR eq. 45
+    return {1.0 / (1.0 + lightSide + eyeSide), 1.0 / (1.0 + lightSide)};
 }
 
-/// Of connecting a light vertex to the camera. pdfAreaFromEye: of the vertex, sampled by the camera;
-/// pdfFromEye: of the direction to the light subpath's predecessor.
-inline double splatWeight(const Strategies& n, const MisState& light, double pdfAreaFromEye,
-                          double pdfFromEye) {
-    return 1.0 / (1.0 + pdfAreaFromEye / n.splat *
-                            (n.merge + light.joined(n) + pdfFromEye * light.dVC));  // TR eq. 46
+/// Weight of a path that a light subpath takes part in, and the weight that hit and nee have of the same
+/// path.
+struct LightWeight {
+    double weight = 1;
+    double eyeShare = 0;
+};
+
+/// Of connecting a light vertex to the camera, in a region of the film. pdfAreaFromEye: of the vertex,
+/// sampled by the camera; pdfFromEye: of the direction to the light subpath's predecessor.
+inline LightWeight splatWeight(const Strategies& n, const MisState& light, uint16_t region,
+                               double pdfAreaFromEye, double pdfFromEye) {
+    const double factor = n.eyeFactor({region, light.smooth + 1});
+    const double scale = pdfAreaFromEye / n.splat;
+    const MisState::Sums s = light.sums(n, pdfFromEye, 1);
+    const double weight = 1.0 / (1.0 + scale * s.total(factor));  // TR eq. 46
+    return {weight, weight * scale * factor * s.end};
 }
 
 /// Of connecting two inner vertices. pdfAreaFromEye: of the light vertex, sampled by the eye vertex, and
 /// pdfReverseFromEye then of the direction to the light subpath's predecessor; FromLight the converse.
-inline double connectWeight(const Strategies& n, const MisState& light, const MisState& eye,
-                            double pdfAreaFromEye, double pdfAreaFromLight, double pdfReverseFromEye,
-                            double pdfReverseFromLight) {
-    const double lightSide = pdfAreaFromEye * (n.merge * light.mergeShare + light.joined(n) +
-                                               pdfReverseFromEye * light.dVC);  // TR eq. 40
-    const double eyeSide = pdfAreaFromLight * (n.merge * eye.mergeShare + eye.joined(n) +
-                                               pdfReverseFromLight * eye.dVC);  // TR eq. 41
-    return n.connect / (n.connect + lightSide + eyeSide);
+inline LightWeight connectWeight(const Strategies& n, const MisState& light, const MisState& eye,
+                                 double pdfAreaFromEye, double pdfAreaFromLight, double pdfReverseFromEye,
+                                 double pdfReverseFromLight) {
+    const double factor = n.eyeFactor({eye.region, light.smooth + eye.smooth + 2});
+    const MisState::Sums s = light.sums(n, pdfReverseFromEye);
+    const double lightSide = pdfAreaFromEye * s.total(factor);                           // TR eq. 40
+    const double eyeSide = pdfAreaFromLight * eye.sums(n, pdfReverseFromLight).total();  // TR eq. 41
+    const double all = n.connect + lightSide + eyeSide;
+    return {n.connect / all, pdfAreaFromEye * factor * s.end / all};
 }
 
 /// Of merging. At the eye vertex: pdfFromEye of the direction to the light subpath's predecessor,
 /// pdfFromLight of that to the eye subpath's.
-inline double mergeWeight(const Strategies& n, const MisState& light, const MisState& eye, double pdfFromEye,
-                          double pdfFromLight) {
-    if (n.oneTechniqueForEachPath()) return 1;
-    const double lightSide = light.joined(n) / n.merge + pdfFromEye * light.dVM;  // TR eq. 38
-    const double eyeSide = eye.joined(n) / n.merge + pdfFromLight * eye.dVM;      // TR eq. 39
-    return eye.mergeShare / (eye.mergeShare + lightSide + eyeSide);
+inline LightWeight mergeWeight(const Strategies& n, const MisState& light, const MisState& eye,
+                               double pdfFromEye, double pdfFromLight) {
+    if (n.oneTechniqueForEachPath()) return {};
+    const double factor = n.eyeFactor({eye.region, light.smooth + eye.smooth + 1});
+    const MisState::Sums s = light.sums(n, pdfFromEye, 0);
+    const double lightSide = s.total(factor) / n.merge;                     // TR eq. 38
+    const double eyeSide = eye.sums(n, pdfFromLight, 0).total() / n.merge;  // TR eq. 39
+    const double all = eye.mergeShare + lightSide + eyeSide;
+    return {eye.mergeShare / all, factor * s.end / n.merge / all};
 }
 
 }  // namespace metrolux::core

@@ -1,6 +1,7 @@
 #pragma once
 #include "base/math.h"
 #include "spatial/photon_density.h"
+#include "transport/eye_factors.h"
 
 #include <algorithm>
 
@@ -23,6 +24,13 @@ struct Strategies {
     enum class MergeAt : uint8_t { EveryVertex, FirstVertex } mergeAt = MergeAt::EveryVertex;
     /// Density of the light subpaths' vertices, for mergeShare(); null: every merge counts in full.
     const PhotonDensity* photons = nullptr;
+    /// Of what eye subpaths find alone; null: 1.
+    const EyeFactors* eyeFactors = nullptr;
+
+    /// Factor of `hit` and `nee` for the paths of a class.
+    double eyeFactor(const PathClass& c) const { return eyeFactors ? eyeFactors->at(c) : 1.0; }
+    /// Region of a path that goes through this point of the film.
+    uint16_t regionOf(const Vec2f& raster) const { return eyeFactors ? eyeFactors->regionOf(raster) : 0; }
 
     bool oneTechniqueForEachPath() const { return mergeAt == MergeAt::FirstVertex; }
     /// Whether the light subpaths need the eye subpaths' vertices.

@@ -107,7 +107,8 @@ inline bool startEye(const WalkRules& walk, const Vec2f& uLens, const Vec2f& ras
     const std::optional<EndpointRay> start = camera.sampleRay(uLens, raster);
     if (!start) return false;
     first.mis =
-        MisState::startEye(walk.strategies, camera.isInfinite() ? start->pdfPosition : start->pdfDirection);
+        MisState::startEye(walk.strategies, camera.isInfinite() ? start->pdfPosition : start->pdfDirection,
+                           walk.strategies.regionOf(raster));
     first.throughput = start->weight * weight;
     first.ray = {start->origin, start->direction, kInfinity};
     return true;

@@ -28,7 +28,7 @@ void EyeWavefront::run(std::span<const uint32_t> pixels, Kept& kept) {
         estimateDirect();
         scatter(depth);
     }
-    for (size_t i = 0; i < pixels.size(); ++i) film_.addEye(pixels[i], subpaths_[i].sum);
+    for (size_t i = 0; i < pixels.size(); ++i) pass_.add(pixels[i], subpaths_[i].sum, film_);
 }
 
 void EyeWavefront::start(std::span<const uint32_t> pixels) {
@@ -68,7 +68,7 @@ void EyeWavefront::arrive(std::span<const uint32_t> pixels, int depth) {
         Vertex& v = subpath.v;
         const Vec3f from = depth == 1 ? subpath.edge.ray.origin : v.si.p;
         if (!rays_.hits[k].found()) {
-            subpath.sum += pass_.escaped(from, subpath.edge, depth);
+            subpath.sum.add(pass_.escaped(from, subpath.edge, depth));
             continue;
         }
         intersector.interaction(rays_, k, v.si);
@@ -117,7 +117,7 @@ void EyeWavefront::gather(Kept& kept) {
     const bool keeps = pass_.strategies.joinsSubpaths();
     for (const uint32_t i : active_) {
         Subpath& subpath = subpaths_[i];
-        subpath.sum += pass_.hit(subpath.v);
+        subpath.sum.add(pass_.hit(subpath.v));
         subpath.joins = pass_.joins(subpath.v);
         if (!keeps || !subpath.joins || !pass_.extensible(subpath.v)) continue;
         kept.vertices.resize(kept.vertices.size() + 1);
@@ -136,13 +136,14 @@ void EyeWavefront::estimateDirect() {
             !prepareLight(pass_.scene, pass_.strategies, subpath.v, u.light[k], {u.lightX[k], u.lightY[k]},
                           pending))
             continue;
-        waiting_.push_back({active_[k], pending.value});
+        waiting_.push_back({active_[k], pending});
         shadows_.rays.push_back(pending.shadow);
     }
     pass_.scene.intersector().occluded(shadows_);
     for (size_t i = 0; i < waiting_.size(); ++i) {
-        const Rgb value = throughEdge(waiting_[i].value, visibility(shadows_.blocked[i]));
-        if (!pass_.nonFinite.reject(value, Technique::Nee)) subpaths_[waiting_[i].subpath].sum += value;
+        Subpath& subpath = subpaths_[waiting_[i].subpath];
+        subpath.sum.add(pass_.finite(
+            findLight(subpath.v, waiting_[i].connection, visibility(shadows_.blocked[i])), Technique::Nee));
     }
     waiting_.clear();
     shadows_.clear();

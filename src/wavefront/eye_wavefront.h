@@ -25,14 +25,14 @@ class EyeWavefront {
     struct Subpath {
         Vertex v;
         WalkEdge edge;
-        Rgb sum{0.0f};
+        EyeSum sum;
         bool certain = true;  ///< see arrive()
         bool joins = false;   ///< at the last vertex
     };
     /// Next-event estimation of a subpath that waits for its shadow ray.
     struct Waiting {
         uint32_t subpath;
-        Rgb value;
+        PendingConnection connection;
     };
 
     void start(std::span<const uint32_t> pixels);

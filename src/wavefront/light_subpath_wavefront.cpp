@@ -33,7 +33,7 @@ class LightSubpathWavefront {
         uint32_t subpath;
         uint32_t pixel;
         Vec2f raster;
-        Rgb value;
+        LightFinding found;
     };
 
     void start();
@@ -156,14 +156,14 @@ void LightSubpathWavefront::splat(int depth) {
         ++tried;
         if (!prepareCamera(pass_->scene, pass_->strategies, subpath.v, subpath.uLens, raster, pending))
             continue;
-        waiting_.push_back({i, 0, raster, pending.value});
+        waiting_.push_back({i, 0, raster, {pending.value, pending.eyeShare}});
         shadows_.rays.push_back(pending.shadow);
     }
     if (pass_->work) pass_->work->splats += tried;
     traceShadows();
     for (const Waiting& w : waiting_)
-        if (!pass_->nonFinite.reject(w.value, Technique::Splat))
-            subpaths_[w.subpath].job.splats->film.push_back({w.raster, w.value});
+        if (!pass_->nonFinite.reject(w.found.value, Technique::Splat))
+            subpaths_[w.subpath].job.splats->add(w.raster, w.found.value, w.found.eyeShare);
     waiting_.clear();
 }
 
@@ -177,14 +177,15 @@ void LightSubpathWavefront::connect(int depth) {
             if (!pass_->limits.admits(depth + eye.depth + 1)) continue;
             ++tried;
             if (!prepareVertices(pass_->scene, pass_->strategies, subpath.v, eye, pending)) continue;
-            waiting_.push_back({i, eye.pixel, Vec2f(0.0f), pending.value * subpath.partner.scale});
+            waiting_.push_back(
+                {i, eye.pixel, Vec2f(0.0f), {pending.value * subpath.partner.scale, pending.eyeShare}});
             shadows_.rays.push_back(pending.shadow);
         }
     }
     if (pass_->work) pass_->work->connections += tried;
     traceShadows();
     for (const Waiting& w : waiting_)
-        pass_->addPixel(w.pixel, w.value, Technique::Connect, *subpaths_[w.subpath].job.splats);
+        pass_->addPixel(w.pixel, w.found, Technique::Connect, *subpaths_[w.subpath].job.splats);
     waiting_.clear();
 }
 
@@ -194,10 +195,10 @@ void LightSubpathWavefront::traceShadows() {
     pass_->scene.intersector().occluded(shadows_, coherence_);
     size_t left = 0;
     for (size_t k = 0; k < waiting_.size(); ++k) {
-        const Rgb value = throughEdge(waiting_[k].value, visibility(shadows_.blocked[k]));
+        const Rgb value = throughEdge(waiting_[k].found.value, visibility(shadows_.blocked[k]));
         if (isBlack(value)) continue;
         waiting_[left] = waiting_[k];
-        waiting_[left++].value = value;
+        waiting_[left++].found.value = value;
     }
     waiting_.resize(left);
     shadows_.clear();

@@ -131,9 +131,12 @@ std::map<TechniqueKey, double> BruteForce::weights(const FullPath& path) const {
         return value;
     };
     std::map<TechniqueKey, double> density;
-    if (!path.light->isDelta()) density[{"hit", 0}] = n_.hit * product(0);
+    const auto smooth =
+        std::count_if(path.inner.begin(), path.inner.end(), [](const InnerVertex& v) { return !v.delta; });
+    const double factor = n_.eyeFactor({n_.regionOf(path.raster), static_cast<int>(smooth)});
+    if (!path.light->isDelta()) density[{"hit", 0}] = factor * n_.hit * product(0);
     if (joins(1) && path.light->isConnectable())
-        density[{"nee", 1}] = n_.nee * nee0 * product(0) / backward[0];
+        density[{"nee", 1}] = factor * n_.nee * nee0 * product(0) / backward[0];
     for (int s = 2; s <= m; ++s)
         if (joins(s - 1) && joins(s)) density[{"connect", s}] = n_.connect * product(s);
     if (joins(m)) density[{"splat", m + 1}] = n_.splat * product(m + 1);

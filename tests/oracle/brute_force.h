@@ -28,6 +28,7 @@ struct FullPath {
     Vec3f lightPosition{0.0f};       ///< lights that have a place: of x0
     std::vector<InnerVertex> inner;  ///< x1 ... x_m
     Vec2f uLens{0.5f};               ///< names the point of the lens, which all techniques sample alike
+    Vec2f raster{0.0f};              ///< where the path meets the film
 };
 
 /// A technique that can make a path: its name and the number s of light vertices (merge: without the one that

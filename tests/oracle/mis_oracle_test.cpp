@@ -8,6 +8,7 @@
 
 #include "oracle/technique_paths.h"
 #include "sampling/streams.h"
+#include "support/eye_factors.h"
 
 #include <gtest/gtest.h>
 
@@ -103,6 +104,11 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
                                              &photons, 0.3);
     n.connect = c.connect;
     n.nee *= c.nee;
+    // Half of the cases with factors of what eye subpaths find alone.
+    EyeFactors factors(scene.camera().window());
+    CounterRng rng(7);
+    setRandomEyeFactors(factors, static_cast<uint32_t>(scene.camera().window().pixelCount()), rng);
+    if (c.merging || c.connect < 1) n.eyeFactors = &factors;
     const BruteForce bruteForce(oracleScene, n);
 
     std::map<std::string, Deviations> found;

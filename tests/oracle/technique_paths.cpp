@@ -35,8 +35,8 @@ void TechniquePaths::run(uint64_t index) {
     const PathLimits& limits = scene_.parts().limits;
     const FilmWindow& window = scene_.camera().window();
     const float x = rng_.next1D() * kImageWidth, y = rng_.next1D() * kImageHeight;
-    const Vec2f raster(static_cast<float>(window.x) + x, static_cast<float>(window.y) + y);
-    traceEyeSubpath(scene_, eyeStream, limits, n_, raster, 1, 0, eye_);
+    raster_ = {static_cast<float>(window.x) + x, static_cast<float>(window.y) + y};
+    traceEyeSubpath(scene_, eyeStream, limits, n_, raster_, 1, 0, eye_);
     eyeStream.seek(0);
     eyeStream.next2D();
     uLens_ = eyeStream.next2D();
@@ -72,6 +72,7 @@ void TechniquePaths::appendLight(FullPath& path, size_t count) const {
 
 void TechniquePaths::appendEye(FullPath& path, size_t count, bool smoothEnd) const {
     path.uLens = uLens_;
+    path.raster = count > 0 ? raster_ : joinedRaster_;
     for (size_t j = count; j-- > 0;)
         path.inner.push_back({eye_.vertices[j].si, !(smoothEnd && j + 1 == count) && eye_.deltas[j]});
 }
@@ -89,7 +90,8 @@ void TechniquePaths::hits() {
         if (!isBlack(all))
             check_({"hit", 0}, path,
                    ratio(hitEnvironment(scene_, n_, eye_.escapeFrom, path.toLight, edge.throughput, edge.mis,
-                                        eye_.escapeDepth),
+                                        eye_.escapeDepth)
+                             .value,
                          all));
     }
     for (size_t j = 1; j < e.size(); ++j) {
@@ -102,7 +104,7 @@ void TechniquePaths::hits() {
         path.lightPoint = e[j].si;
         path.lightPosition = e[j].si.p;
         appendEye(path, j, false);
-        check_({"hit", 0}, path, ratio(hitLight(scene_, n_, e[j]), all));
+        check_({"hit", 0}, path, ratio(hitLight(scene_, n_, e[j]).value, all));
     }
 }
 
@@ -115,7 +117,7 @@ void TechniquePaths::nextEvents() {
         float uChoice = uLight;
         const Scene::LightChoice choice = scene_.chooseLightForConnection(e[j].si.p, uChoice);
         if (!choice.light) continue;
-        const Rgb weighted = connectToLight(scene_, n_, e[j], uLight, u);
+        const Rgb weighted = connectToLight(scene_, n_, e[j], uLight, u).value;
         const auto c = choice.light->connect(e[j].si.p, u);
         if (isBlack(weighted) || !c) continue;
         const Rgb all =
@@ -137,12 +139,15 @@ void TechniquePaths::splats() {
         FullPath path;
         path.uLens = choices_.next2D();
         Vec2f raster;
-        const Rgb weighted = connectToCamera(scene_, n_, l[j], path.uLens, raster);
+        const Rgb weighted = connectToCamera(scene_, n_, l[j], path.uLens, raster).value;
         if (isBlack(weighted)) continue;
+        path.raster = raster;
         appendLight(path, j + 1);
-        check_({"splat", static_cast<int>(j) + 2}, path,
-               ratio(weighted,
-                     connectToCamera(scene_, kConnectionsAlone, withoutHistory(l[j]), path.uLens, raster)));
+        check_(
+            {"splat", static_cast<int>(j) + 2}, path,
+            ratio(
+                weighted,
+                connectToCamera(scene_, kConnectionsAlone, withoutHistory(l[j]), path.uLens, raster).value));
     }
 }
 
@@ -151,13 +156,13 @@ void TechniquePaths::connections() {
     for (size_t a = 0; a < l.size() && a < kVertices; ++a)
         for (size_t b = 0; b < e.size() && b < kVertices && wanted_("connect"); ++b) {
             if (!l[a].hasSmoothLobe() || !e[b].hasSmoothLobe()) continue;
-            const Rgb weighted = connectVertices(scene_, n_, l[a], e[b]);
+            const Rgb weighted = connectVertices(scene_, n_, l[a], e[b]).value;
             if (isBlack(weighted) || !(lengthSquared(l[a].si.p - e[b].si.p) > 1e-4f)) continue;
             FullPath path;
             appendLight(path, a + 1);
             appendEye(path, b + 1, true);
             const Rgb all =
-                connectVertices(scene_, kConnectionsAlone, withoutHistory(l[a]), withoutHistory(e[b]));
+                connectVertices(scene_, kConnectionsAlone, withoutHistory(l[a]), withoutHistory(e[b])).value;
             check_({"connect", static_cast<int>(a) + 2}, path, ratio(weighted, all));
         }
 }
@@ -169,18 +174,18 @@ void TechniquePaths::merges() {
         const size_t b = static_cast<size_t>(rng_.next1D() * (static_cast<float>(kVertices) - 0.001f));
         const std::optional<Vertex> joined = joinedVertex(a, b);
         if (!joined) continue;
-        const Rgb weighted = mergeVertices(n_, l[a], *joined, 1);
+        const Rgb weighted = mergeVertices(n_, l[a], *joined, 1).value;
         if (isBlack(weighted)) continue;
         FullPath path;
         appendLight(path, a + 1);
         appendEye(path, b, true);
-        check_(
-            {"merge", static_cast<int>(a) + 1}, path,
-            ratio(weighted, mergeVertices(kMergesAlone, withoutHistory(l[a]), withoutHistory(*joined), 1)));
+        check_({"merge", static_cast<int>(a) + 1}, path,
+               ratio(weighted,
+                     mergeVertices(kMergesAlone, withoutHistory(l[a]), withoutHistory(*joined), 1).value));
     }
 }
 
-std::optional<Vertex> TechniquePaths::joinedVertex(size_t a, size_t b) const {
+std::optional<Vertex> TechniquePaths::joinedVertex(size_t a, size_t b) {
     const Vertex& at = light_.vertices[a];
     const std::vector<Vertex>& e = eye_.vertices;
     if (b > e.size() || (b > 0 && !e[b - 1].hasSmoothLobe())) return std::nullopt;
@@ -194,7 +199,9 @@ std::optional<Vertex> TechniquePaths::joinedVertex(size_t a, size_t b) const {
         joined.distanceToPrevious = c->distance;
         const bool infinite = scene_.camera().isInfinite();
         if (!infinite) distanceSquared = sqr(double(c->distance));
-        joined.mis = MisState::startEye(n_, infinite ? c->pdfPosition : c->pdfDirection);
+        joinedRaster_ = c->filmPosition;
+        joined.mis =
+            MisState::startEye(n_, infinite ? c->pdfPosition : c->pdfDirection, n_.regionOf(joinedRaster_));
     } else {
         const Vertex& from = e[b - 1];
         if (!scene_.visible(at.si.p, at.si.ng, from.si.p, from.si.ng)) return std::nullopt;

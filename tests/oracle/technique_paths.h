@@ -64,7 +64,7 @@ class TechniquePaths {
     void merges();
     /// Vertex a of the light subpath, seen as the end of the eye subpath's edge from its vertex b - 1 (from
     /// the camera if b = 0). The two vertices of a merge are moved onto each other, so that the path is one.
-    std::optional<Vertex> joinedVertex(size_t a, size_t b) const;
+    std::optional<Vertex> joinedVertex(size_t a, size_t b);
 
     /// Sets the light end of a path whose x1 has been reached from `light` as `first` has.
     void setLight(FullPath& path, const Light* light, const Vertex& first) const;
@@ -84,6 +84,8 @@ class TechniquePaths {
     Collector eye_, light_;
     const Light* source_ = nullptr;  ///< of the light subpath
     Vec2f uLens_{0.0f};              ///< of the eye subpath
+    Vec2f raster_{0.0f};             ///< the same, and of the last vertex joined with the camera itself
+    Vec2f joinedRaster_{0.0f};
     CounterRng rng_{0}, choices_{0};
 };
 

@@ -4,6 +4,7 @@
 #include "transport/mis.h"
 
 #include "base/rng.h"
+#include "support/eye_factors.h"
 #include "transport/vertex.h"
 
 #include <gtest/gtest.h>
@@ -12,6 +13,8 @@
 
 namespace metrolux::core {
 namespace {
+
+using test::setRandomEyeFactors;
 
 TEST(Mis, PathTracingKnowsHitAndNeeOnly) {
     // One diffuse vertex before a light: hit and nee with densities p_b (scattering) and p_l (nee), per solid
@@ -24,13 +27,14 @@ TEST(Mis, PathTracingKnowsHitAndNeeOnly) {
     LightEdge e;
     e.pdfNee = pl, e.pdfPosition = 0.1, e.pdfDirection = 0.2;
     e.cosineLight = cosineLight, e.cosineSurface = cosineSurface, e.distanceSquared = d2;
-    const double nee = neeWeight(n, eye, e, pb, 0.25);
-    EXPECT_NEAR(nee, pl / (pl + pb), 1e-12);
+    const EyeWeight nee = neeWeight(n, eye, e, pb, 0.25);
+    EXPECT_NEAR(nee.weight, pl / (pl + pb), 1e-12);
+    EXPECT_EQ(nee.alone, nee.weight);
 
     MisState after = eye;
     after.scatter(n, cosineSurface, pb, 0.25);
     after.arrive(d2, cosineLight);
-    EXPECT_NEAR(hitWeight(n, after, e.pdfNeeAtLight(), 0.02), pb / (pl + pb), 1e-12);
+    EXPECT_NEAR(hitWeight(n, after, e.pdfNeeAtLight(), 0.02).weight, pb / (pl + pb), 1e-12);
 }
 
 TEST(Mis, NeeHasAllTheWeightAtDeltaLightsWithoutLightSubpaths) {
@@ -38,7 +42,7 @@ TEST(Mis, NeeHasAllTheWeightAtDeltaLightsWithoutLightSubpaths) {
     e.delta = true;
     e.kind = EndpointKind::DeltaPosition;
     e.distanceSquared = 9;
-    EXPECT_EQ(neeWeight(Strategies::path(), MisState{}, e, 5, 5), 1);
+    EXPECT_EQ(neeWeight(Strategies::path(), MisState{}, e, 5, 5).weight, 1);
 }
 
 TEST(Mis, EmissionOverNeeOfEachKindOfEndpoint) {
@@ -54,21 +58,22 @@ TEST(Mis, EmissionOverNeeOfEachKindOfEndpoint) {
 }
 
 TEST(Mis, MoreSamplesOfATechniqueGiveItMoreWeight) {
-    MisState light{0.3, 0.2, 0.1}, eye{0.4, 0.5, 0.6};
+    MisState light{0.3, 0.05, 0.15}, eye{0.4, 0.1, 0.4};
     light.first = eye.first = false;
-    const double few = mergeWeight(Strategies::bidirectional(1, 0.01), light, eye, 0.3, 0.3);
-    const double many = mergeWeight(Strategies::bidirectional(1, 1), light, eye, 0.3, 0.3);
+    const double few = mergeWeight(Strategies::bidirectional(1, 0.01), light, eye, 0.3, 0.3).weight;
+    const double many = mergeWeight(Strategies::bidirectional(1, 1), light, eye, 0.3, 0.3).weight;
     EXPECT_LT(few, many);
-    const double without = connectWeight(Strategies::bidirectional(1, 0), light, eye, 0.2, 0.3, 0.4, 0.5);
-    const double with = connectWeight(Strategies::bidirectional(1, 1), light, eye, 0.2, 0.3, 0.4, 0.5);
+    const double without =
+        connectWeight(Strategies::bidirectional(1, 0), light, eye, 0.2, 0.3, 0.4, 0.5).weight;
+    const double with = connectWeight(Strategies::bidirectional(1, 1), light, eye, 0.2, 0.3, 0.4, 0.5).weight;
     EXPECT_LT(with, without);
     Strategies rare = Strategies::bidirectional(1, 1);
     rare.connect = 0.1;
-    EXPECT_LT(connectWeight(rare, light, eye, 0.2, 0.3, 0.4, 0.5), with);
-    EXPECT_GT(mergeWeight(rare, light, eye, 0.3, 0.3), many);
+    EXPECT_LT(connectWeight(rare, light, eye, 0.2, 0.3, 0.4, 0.5).weight, with);
+    EXPECT_GT(mergeWeight(rare, light, eye, 0.3, 0.3).weight, many);
     // Light subpaths of q-fold density weaken hit.
-    EXPECT_LT(hitWeight(Strategies::bidirectional(10, 0), eye, 0, 0.2),
-              hitWeight(Strategies::bidirectional(1, 0), eye, 0, 0.2));
+    EXPECT_LT(hitWeight(Strategies::bidirectional(10, 0), eye, 0, 0.2).weight,
+              hitWeight(Strategies::bidirectional(1, 0), eye, 0, 0.2).weight);
 }
 
 /// A path of numbers: x_0 on an area light, x_1 ... x_kInner, the camera; edge i joins x_i and x_{i+1}.
@@ -79,6 +84,7 @@ struct RandomPath {
     std::array<double, kInner + 1> d2, cosNear, cosFar;  ///< of edge i; |cos| at x_i and at x_{i+1}
     std::array<double, kInner + 1> fromLight, fromEye;  ///< at x_i: densities of the directions away and back
     std::array<float, kInner + 1> share;                ///< of merging at x_i
+    Vec2f raster;
 
     explicit RandomPath(CounterRng& rng) {
         const auto random = [&] { return std::exp(3 * (rng.nextDouble() - 0.5)); };
@@ -88,6 +94,7 @@ struct RandomPath {
             share[i] = i == kInner ? 1.0f : 1 - rng.next1D();  // the first eye vertex is not there by chance
         }
         pdfCamera = random();
+        raster = {32 * rng.next1D(), 16 * rng.next1D()};
         first.pdfNee = random(), first.pdfPosition = random(), first.pdfDirection = random();
         first.cosineLight = cosNear[0], first.cosineSurface = cosFar[0], first.distanceSquared = d2[0];
     }
@@ -102,7 +109,7 @@ struct RandomPath {
             light[i + 1].arrive(d2[i], cosFar[i]);
             light[i + 1].mergeShare = share[i + 1];
         }
-        eye[kInner] = MisState::startEye(n, pdfCamera);
+        eye[kInner] = MisState::startEye(n, pdfCamera, n.regionOf(raster));
         eye[kInner].arrive(d2[kInner], cosNear[kInner]);
         for (int i = kInner; i > 0; --i) {
             eye[i - 1] = eye[i];
@@ -110,29 +117,42 @@ struct RandomPath {
             eye[i - 1].arrive(d2[i - 1], cosNear[i - 1]);
             eye[i - 1].mergeShare = share[i - 1];
         }
-        double sum = 0;
-        if (n.hit > 0) sum += hitWeight(n, eye[0], first.pdfNeeAtLight(), first.pdfEmission());
-        if (n.nee > 0) sum += neeWeight(n, eye[1], first, fromEye[1], fromLight[1]);
+        double sum = 0, ofEye = 0;
+        std::vector<LightWeight> ofLight;
+        if (n.hit > 0) ofEye += hitWeight(n, eye[0], first.pdfNeeAtLight(), first.pdfEmission()).weight;
+        if (n.nee > 0) ofEye += neeWeight(n, eye[1], first, fromEye[1], fromLight[1]).weight;
         for (int i = 1; i < kInner && n.connect > 0; ++i)
-            sum += connectWeight(n, light[i], eye[i + 1], fromEye[i + 1] * cosNear[i] / d2[i],
-                                 fromLight[i] * cosFar[i] / d2[i], fromEye[i], fromLight[i + 1]);
+            ofLight.push_back(connectWeight(n, light[i], eye[i + 1], fromEye[i + 1] * cosNear[i] / d2[i],
+                                            fromLight[i] * cosFar[i] / d2[i], fromEye[i], fromLight[i + 1]));
         if (n.splat > 0)
-            sum += splatWeight(n, light[kInner], pdfCamera * cosNear[kInner] / d2[kInner], fromEye[kInner]);
+            ofLight.push_back(splatWeight(n, light[kInner], n.regionOf(raster),
+                                          pdfCamera * cosNear[kInner] / d2[kInner], fromEye[kInner]));
         for (int i = 1; i <= kInner && n.merge > 0; ++i)
-            sum += mergeWeight(n, light[i], eye[i], fromEye[i], fromLight[i]);
+            ofLight.push_back(mergeWeight(n, light[i], eye[i], fromEye[i], fromLight[i]));
+        sum += ofEye;
+        for (const LightWeight& w : ofLight) {
+            sum += w.weight;
+            EXPECT_NEAR(w.eyeShare, ofEye, 1e-9);  // each technique knows what hit and nee have of the path
+        }
         return sum;
     }
 };
 
 TEST(Mis, WeightsOfAPathSumToOneForEverySetOfTechniques) {
     CounterRng rng(1);
+    EyeFactors factors({32, 16, 0, 0, 32, 16});
+    setRandomEyeFactors(factors, 32 * 16, rng);
     for (int set = 1; set < 32; ++set)
         for (int i = 0; i < 20; ++i) {
             const auto count = [&](int technique) {
                 return set >> technique & 1 ? 0.1 + rng.nextDouble() : 0.0;
             };
-            const Strategies n{
-                .hit = count(0), .nee = count(1), .connect = count(2), .splat = count(3), .merge = count(4)};
+            const Strategies n{.hit = count(0),
+                               .nee = count(1),
+                               .connect = count(2),
+                               .splat = count(3),
+                               .merge = count(4),
+                               .eyeFactors = i % 2 ? &factors : nullptr};
             ASSERT_NEAR(RandomPath(rng).sumOfWeights(n), 1, 1e-9) << "set " << set;
         }
 }
@@ -141,10 +161,11 @@ TEST(Mis, DeltaScatteringKeepsOnlyWhatCanStillBeJoined) {
     MisState s{2, 3, 4};
     s.scatterDelta(0.5, 1, 1);
     EXPECT_EQ(s.dVCM, 0);
-    EXPECT_DOUBLE_EQ(s.dVC, 1.5);
-    EXPECT_DOUBLE_EQ(s.dVM, 2);
+    EXPECT_DOUBLE_EQ(s.dEnd, 1.5);
+    EXPECT_DOUBLE_EQ(s.dInner, 2);
+    EXPECT_EQ(s.smooth, 0);
     s.arrive(100, 0.5);  // the distance does not matter to sums that have no density of their own
-    EXPECT_DOUBLE_EQ(s.dVC, 3);
+    EXPECT_DOUBLE_EQ(s.dEnd, 3);
     EXPECT_EQ(s.dVCM, 0);
 }
 
@@ -153,8 +174,8 @@ TEST(Mis, ScatteringThereAndBackThroughARefractionCancels) {
     MisState s{0, 7, 11};
     s.scatterDelta(0.9, 1, 1 / 2.25);
     s.scatterDelta(1 / 0.9, 1, 2.25);
-    EXPECT_NEAR(s.dVC, 7, 1e-12);
-    EXPECT_NEAR(s.dVM, 11, 1e-12);
+    EXPECT_NEAR(s.dEnd, 7, 1e-12);
+    EXPECT_NEAR(s.dInner, 11, 1e-12);
 }
 
 TEST(Mis, ALightThatNextEventCannotReachTakesNoPart) {
@@ -164,8 +185,8 @@ TEST(Mis, ALightThatNextEventCannotReachTakesNoPart) {
     e.pdfNee = 0;
     const MisState s = MisState::arriveFromLight(Strategies::bidirectional(1, 0.1), e);
     EXPECT_EQ(s.dVCM, 0);
-    EXPECT_EQ(s.dVC, 0);
-    EXPECT_EQ(splatWeight(Strategies::bidirectional(1, 0), s, 1, 1), 1);
+    EXPECT_EQ(s.dEnd + s.dInner, 0);
+    EXPECT_EQ(splatWeight(Strategies::bidirectional(1, 0), s, 0, 1, 1).weight, 1);
 }
 
 TEST(Strategies, PhotonDensityLimitsWhatMergesCountFor) {

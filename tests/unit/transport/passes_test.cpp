@@ -155,7 +155,8 @@ TEST(LightSubpathPass, MergesWithAllThatAScanFinds) {
                 for (const Vertex& eye : pass_.eyes.all()) {
                     if (!v.hasSmoothLobe() || (eye.si.p - v.si.p).length2() > r * r) continue;
                     if (v.depth + eye.depth > pass_.limits.maxDepth) continue;
-                    const Rgb value = mergeVertices(pass_.strategies, v, eye, 1.0 / (double(kPi) * r * r));
+                    const Rgb value =
+                        mergeVertices(pass_.strategies, v, eye, 1.0 / (double(kPi) * r * r)).value;
                     if (!isBlack(value)) found.push_back({double(eye.pixel), value.x, value.y, value.z});
                 }
                 return v.depth + 1 < pass_.limits.maxDepth;
@@ -198,18 +199,20 @@ class MergeTest : public ::testing::Test {
 
 TEST_F(MergeTest, RefusesTheOtherSideOfAWallAndSharpCorners) {
     const Vertex eye = vertex({0, 1, 0}, {0.3f, 1, 0});
-    EXPECT_GT(mergeVertices(strategies_, vertex({0, 1, 0}, {-0.3f, 1, 0}), eye, 1).x, 0);
-    EXPECT_EQ(mergeVertices(strategies_, vertex({0, -1, 0}, {-0.3f, -1, 0}), eye, 1), Rgb(0.0f));
-    EXPECT_EQ(mergeVertices(strategies_, vertex({1, 0, 0}, {1, 0.3f, 0}), eye, 1), Rgb(0.0f));
+    EXPECT_GT(mergeVertices(strategies_, vertex({0, 1, 0}, {-0.3f, 1, 0}), eye, 1).value.x, 0);
+    EXPECT_EQ(mergeVertices(strategies_, vertex({0, -1, 0}, {-0.3f, -1, 0}), eye, 1).value, Rgb(0.0f));
+    EXPECT_EQ(mergeVertices(strategies_, vertex({1, 0, 0}, {1, 0.3f, 0}), eye, 1).value, Rgb(0.0f));
     // Curved surfaces go on.
-    EXPECT_GT(mergeVertices(strategies_, vertex(normalize(Vec3f(0.3f, 1, 0)), {-0.3f, 1, 0}), eye, 1).x, 0);
+    EXPECT_GT(mergeVertices(strategies_, vertex(normalize(Vec3f(0.3f, 1, 0)), {-0.3f, 1, 0}), eye, 1).value.x,
+              0);
 }
 
 TEST_F(MergeTest, IsTheReflectanceOverPiPerDisk) {
     const Vertex eye = vertex({0, 1, 0}, {0, 1, 0}), light = vertex({0, 1, 0}, {-1, 1, 0});
     const double inverseDisk = 7;
-    const double weight = mergeWeight(strategies_, light.mis, eye.mis, std::cos(kPi / 4) / kPi, 1 / kPi);
-    EXPECT_NEAR(mergeVertices(strategies_, light, eye, inverseDisk).x, 0.8 / kPi * inverseDisk * weight,
+    const double weight =
+        mergeWeight(strategies_, light.mis, eye.mis, std::cos(kPi / 4) / kPi, 1 / kPi).weight;
+    EXPECT_NEAR(mergeVertices(strategies_, light, eye, inverseDisk).value.x, 0.8 / kPi * inverseDisk * weight,
                 1e-5);
 }
 
@@ -233,11 +236,11 @@ TEST(ConnectVertices, AWallBetweenThemBlocks) {
     };
     const Strategies n = Strategies::bidirectional(1, 0);
     const Vertex below = at(floor, {0, 0, 0}, {0, 1, 0});
-    EXPECT_EQ(connectVertices(*scene, n, at(ceiling, {0, 2, 0}, {0, -1, 0}), below), Rgb(0.0f));
-    EXPECT_EQ(connectVertices(*scene, n, below, below), Rgb(0.0f));  // the same point
+    EXPECT_EQ(connectVertices(*scene, n, at(ceiling, {0, 2, 0}, {0, -1, 0}), below).value, Rgb(0.0f));
+    EXPECT_EQ(connectVertices(*scene, n, below, below).value, Rgb(0.0f));  // the same point
     // Beside the wall: (rho / pi)^2 cos cos / d^2 with weight one, as no other technique has a density here.
     const Vertex right = at(floor, {3, 0, 0}, {0, 1, 0}), above = at(ceiling, {3, 2, 0}, {0, -1, 0});
-    EXPECT_NEAR(connectVertices(*scene, n, above, right).x, sqr(0.7f * kInvPi) / 4, 1e-6f);
+    EXPECT_NEAR(connectVertices(*scene, n, above, right).value.x, sqr(0.7f * kInvPi) / 4, 1e-6f);
 }
 
 }  // namespace

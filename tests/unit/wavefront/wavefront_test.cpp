@@ -56,8 +56,10 @@ void expectSameBits(const EyeResult& a, const EyeResult& b) {
         ASSERT_EQ(v.depth, w.depth);
         ASSERT_EQ(v.pixel, w.pixel);
         ASSERT_EQ(v.mis.dVCM, w.mis.dVCM);
-        ASSERT_EQ(v.mis.dVC, w.mis.dVC);
-        ASSERT_EQ(v.mis.dVM, w.mis.dVM);
+        ASSERT_EQ(v.mis.dEnd, w.mis.dEnd);
+        ASSERT_EQ(v.mis.dInner, w.mis.dInner);
+        ASSERT_EQ(v.mis.region, w.mis.region);
+        ASSERT_EQ(v.mis.smooth, w.mis.smooth);
         ASSERT_EQ(v.mis.mergeShare, w.mis.mergeShare);
     }
 }

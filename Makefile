@@ -87,6 +87,11 @@ thread-test: setup  ## the unit tests with the thread sanitizer
 
 sanitize: debug-test thread-test  ## debug-test and thread-test
 
+sanitize-all: debug-test  ## the whole suite with both sanitizers, one after the other: hours (docs/development/testing.md)
+	cmake --preset thread
+	cmake --build --preset thread
+	tools/run_tests.sh thread
+
 FUZZ_SECONDS := 300
 FUZZ_TARGETS := obj ply serialized spectrum ies gltf image scene checkpoint
 fuzz: setup  ## libFuzzer on each parser, FUZZ_SECONDS each (needs clang)

@@ -1,4 +1,4 @@
-# Flags and revision, as study/build_description.cpp reports them.
+# Flags and revision, as study/build_description.cpp reports them, and flags for the identity of checkpoints.
 set(revision "unknown")
 find_package(Git QUIET)
 if(GIT_FOUND)
@@ -17,3 +17,5 @@ endif()
 string(STRIP "${flags}" flags)
 set_source_files_properties(${PROJECT_SOURCE_DIR}/src/study/build_description.cpp PROPERTIES
   COMPILE_DEFINITIONS "METROLUX_FLAGS=\"${flags}\";METROLUX_REVISION=\"${revision}\"")
+set_source_files_properties(${PROJECT_SOURCE_DIR}/src/render/build_id.cpp PROPERTIES
+  COMPILE_DEFINITIONS "METROLUX_FLAGS=\"${flags}\"")

@@ -55,7 +55,7 @@ struct SessionOptions {
     std::optional<int> maxDepth;  ///< path edges, in place of the scene's limit; -1: no limit
     std::uint64_t memory =
         kDefaultMemory;               ///< bytes that an iteration may store; more of them a pass for less
-    std::vector<std::string> layers;  ///< of albedo, normal, depth, variance
+    std::vector<std::string> layers;  ///< of albedo, normal, depth, variance, alpha
     Slices slices;
     int threads = 0;  ///< 0: one for each core
 };
@@ -99,7 +99,8 @@ struct Hooks {
     std::function<bool()> stop;  ///< true ends the rendering, as Session::requestStop()
 };
 
-enum class StopReason { Time, Passes, Error, Interrupted };
+/// Full: a rendering has at most 16,777,215 passes.
+enum class StopReason { Time, Passes, Error, Interrupted, Full };
 
 /// What became of a rendering.
 struct Outcome {
@@ -161,7 +162,9 @@ class METROLUX_API Session {
     void save(const std::filesystem::path& checkpoint) const;
     /// Before the first pass: goes on from a checkpoint of the same scene and options, bit for bit. Throws
     /// Error that says what differs.
-    void resume(const std::filesystem::path& checkpoint);
+    /// `otherBuild`: one that another build of the library or another kind of machine has written too, whose
+    /// last bits could differ.
+    void resume(const std::filesystem::path& checkpoint, bool otherBuild = false);
 
     struct Impl;
 

@@ -22,6 +22,7 @@ struct Scene::Impl {
     std::shared_ptr<const core::mitsuba::ParsedScene> tree;  ///< what it was made from
     core::mitsuba::ElementPtr treeSensor;                    ///< of it, which `sensor` may stand for
     std::vector<std::filesystem::path> files;
+    std::vector<core::FileStamp> stamps;  ///< of `files` as they were read
     std::vector<std::string> warnings;
     nlohmann::json identity;  ///< of the scene, but for the contents of `files`
 };
@@ -46,7 +47,7 @@ struct Internals {
     }
     static Session::Impl& of(Session& session) { return *session.impl_; }
     /// As Session::resume(), from what has been read.
-    static void restore(Session& session, core::Checkpoint checkpoint);
+    static void restore(Session& session, core::Checkpoint checkpoint, bool otherBuild);
 };
 
 namespace core::api {

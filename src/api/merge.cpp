@@ -2,6 +2,7 @@
 
 #include "api/internals.h"
 #include "api/log.h"
+#include "base/printable.h"
 
 #include <metrolux/version.h>
 
@@ -12,7 +13,7 @@ core::RenderedFrame frameOf(const core::PartMerger& merger, const std::vector<st
     core::RenderedFrame frame;
     const core::Film& film = merger.film();
     const nlohmann::json& identity = merger.identity();
-    frame.image = {film.width(), film.height(), 3, film.image()};
+    frame.image = {film.width(), film.height(), 3, film.image(), core::placeOf(film.window())};
     for (const std::string& layer : layers) {
         if (core::aovFromName(layer) != core::Aov::Variance)
             throw core::Error(
@@ -24,14 +25,15 @@ core::RenderedFrame frameOf(const core::PartMerger& merger, const std::vector<st
                       {"metrolux:integrator", identity["algorithm"]["integrator"].get<std::string>()},
                       {"metrolux:passes", static_cast<int>(film.passes())},
                       {"metrolux:seconds", merger.seconds()},
-                      {"metrolux:seed", identity["algorithm"]["seed"].dump()}};
+                      {"metrolux:seed", identity["algorithm"]["seed"].dump()},
+                      {"metrolux:options", identity["algorithm"].dump()}};
     return frame;
 }
 
 nlohmann::json statisticsOf(const core::PartMerger& merger, const std::vector<std::filesystem::path>& parts) {
     nlohmann::json slices = nlohmann::json::object(), names = nlohmann::json::array();
     for (const auto& [slice, passes] : merger.passes()) slices[std::to_string(slice)] = passes;
-    for (const std::filesystem::path& part : parts) names.push_back(part.string());
+    for (const std::filesystem::path& part : parts) names.push_back(core::validUtf8(part.string()));
     return {{"version", version()},
             {"parts", names},
             {"rendering", merger.identity()},
@@ -40,6 +42,8 @@ nlohmann::json statisticsOf(const core::PartMerger& merger, const std::vector<st
             {"passes_of_slices", slices},
             {"missing_slices", merger.missing()},
             {"rays", {{"intersect", merger.rays().intersectRays}, {"shadow", merger.rays().shadowRays}}},
+            {"emission_exponent", merger.film().exponent()},
+            {"beyond_single_precision", merger.film().beyondFloat()},
             {"non_finite", core::toJson(merger.nonFinite())}};
 }
 
@@ -53,6 +57,11 @@ Merged merge(const std::vector<std::filesystem::path>& parts, const Files& files
     core::PartMerger merger;
     for (const std::filesystem::path& part : parts)
         merger.add(part.string(), core::readCheckpoint(part, version()));
+    if (merger.hasOtherBuilds())
+        core::api::log(
+            LogLevel::Warning,
+            "the parts come from different builds or machines: the image is right, but in last bits "
+            "not that of one process");
     if (const std::vector<uint32_t> missing = merger.missing(); !missing.empty())
         core::api::log(LogLevel::Warning, fmt::format("{} of {} slices are missing: {}", missing.size(),
                                                       merger.identity()[core::kSliceCountKey].get<uint32_t>(),

@@ -2,6 +2,7 @@
 #include "api/log.h"
 #include "api/object_tree.h"
 #include "api/scene_tree.h"
+#include "base/printable.h"
 
 namespace metrolux {
 namespace {
@@ -50,13 +51,23 @@ namespace {
 
 nlohmann::json identityOf(const std::string& name, const LoadOptions& options) {
     std::vector<std::string> defines;
-    for (const auto& [key, value] : options.defines) defines.push_back(key + "=" + value);
-    nlohmann::json identity{{"name", name},
+    for (const auto& [key, value] : options.defines) defines.push_back(core::validUtf8(key + "=" + value));
+    nlohmann::json identity{{"name", core::validUtf8(name)},
                             {"define", defines},
                             {"filter", options.film.filter.value_or("")},
                             {"lenient", options.lenient}};
-    if (!options.sensor.empty()) identity["sensor"] = options.sensor;
+    if (!options.sensor.empty()) identity["sensor"] = core::validUtf8(options.sensor);
     return identity;
+}
+
+void warnOfFaintLight(const core::Scene& scene) {
+    constexpr int kFaintest = -100;
+    if (const int exponent = scene.emissionExponent(); exponent < kFaintest)
+        core::api::log(
+            LogLevel::Warning,
+            fmt::format("the light of the scene is of the size of 2^{}: textures that emit so little, and "
+                        "pixels, lose digits of single precision",
+                        exponent));
 }
 
 /// Makes a scene of what `load` reads into `impl`, with so many threads.
@@ -64,11 +75,19 @@ template <class Load>
 Scene build(Scene::Impl impl, int threads, const Load& load) {
     core::ThreadLimit limit(threads);
     return limit.execute([&] {
+        const int64_t begin = core::fileClock();
         core::SceneParts parts = load(impl);
+        impl.stamps.clear();
+        for (const std::filesystem::path& file : impl.files) {
+            const core::FileStamp stamp = core::stampOf(file);
+            const bool changedMeanwhile = stamp.modified > begin && stamp.modified <= core::fileClock();
+            impl.stamps.push_back(changedMeanwhile ? core::FileStamp() : stamp);
+        }
         core::api::settle(parts, impl.film);
         impl.warnings = parts.warnings;
         for (const std::string& warning : impl.warnings) core::api::log(LogLevel::Warning, warning);
         impl.scene = std::make_shared<const core::Scene>(std::move(parts));
+        warnOfFaintLight(*impl.scene);
         impl.treeSensor = impl.sensor.element;
         return Internals::wrap(std::move(impl));
     });

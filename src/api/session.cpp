@@ -20,7 +20,7 @@ core::SliceChoice slicesOf(const Slices& slices) {
 
 nlohmann::json sceneIdentity(const Scene::Impl& scene) {
     nlohmann::json identity = scene.identity;
-    identity["files"] = core::fingerprints(scene.files);
+    identity["files"] = core::fingerprints(scene.files, scene.stamps);
     return identity;
 }
 
@@ -58,6 +58,8 @@ StopReason reasonOf(core::StopReason reason) {
             return StopReason::Passes;
         case core::StopReason::Error:
             return StopReason::Error;
+        case core::StopReason::Full:
+            return StopReason::Full;
         case core::StopReason::Interrupted:
             break;
     }
@@ -228,16 +230,16 @@ void Session::save(const std::filesystem::path& checkpoint) const {
     core::writeCheckpoint(checkpoint, impl_->session->checkpoint({}));
 }
 
-void Session::resume(const std::filesystem::path& checkpoint) {
+void Session::resume(const std::filesystem::path& checkpoint, bool otherBuild) {
     if (impl_->session->film().passes() > 0)
         throw core::Error("the session has {} passes, expected none before it goes on from a checkpoint",
                           impl_->session->film().passes());
-    Internals::restore(*this, core::readCheckpoint(checkpoint, version()));
+    Internals::restore(*this, core::readCheckpoint(checkpoint, version()), otherBuild);
 }
 
-void Internals::restore(Session& session, core::Checkpoint checkpoint) {
+void Internals::restore(Session& session, core::Checkpoint checkpoint, bool otherBuild) {
     Session::Impl& impl = of(session);
-    impl.workers.execute([&] { impl.session->restore(std::move(checkpoint)); });
+    impl.workers.execute([&] { impl.session->restore(std::move(checkpoint), otherBuild); });
 }
 
 }  // namespace metrolux

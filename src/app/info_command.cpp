@@ -1,5 +1,6 @@
 #include "api/internals.h"
 #include "app/commands.h"
+#include "app/image_info.h"
 #include "app/option_parsing.h"
 #include "app/render_options.h"
 #include "integrators/scene_choice.h"
@@ -21,7 +22,8 @@ namespace {
 constexpr const char* kInfoExamples = R"(Examples:
   metrolux info scene.xml
   metrolux info scene.xml --lenient        # what would be left out is listed as warnings
-  metrolux info scene.xml --json           # the same for programs)";
+  metrolux info scene.xml --json           # the same for programs
+  metrolux info image.exr                  # its windows, channels and metadata)";
 
 struct InfoArguments {
     std::string scene, sensor;
@@ -37,7 +39,9 @@ std::string kindOf(const Object& object) {
         abi::__cxa_demangle(typeid(object).name(), nullptr, nullptr, &status), &std::free);
     const std::string full = status == 0 ? name.get() : typeid(object).name();
     const size_t colon = full.rfind("::");
-    return colon == std::string::npos ? full : full.substr(colon + 2);
+    std::string own = colon == std::string::npos ? full : full.substr(colon + 2);
+    if (own.ends_with('>')) own.pop_back();  // the model of a template (CosineSampled)
+    return own;
 }
 
 std::string countsText(const std::map<std::string, size_t>& counts) {
@@ -92,13 +96,13 @@ void printCamera(const SceneParts& parts) {
 }
 
 void print(const SceneParts& parts, const Census& counts, const SceneBounds* bounds) {
-    fmt::print("scene       {}\n", parts.source);
+    fmt::print("scene       {}\n", printable(parts.source));
     if (parts.camera)
         printCamera(parts);
     else
         fmt::print("sensor      none\n");
     const IntegratorDescription* const integrator = integratorOf(parts.integrator);
-    fmt::print("integrator  {} ({}), ", parts.integrator.type,
+    fmt::print("integrator  {} ({}), ", printable(parts.integrator.type),
                integrator ? "rendered by " + integrator->name : std::string("not supported"));
     if (parts.limits.maxDepth < 0)
         fmt::print("paths of any length");
@@ -116,7 +120,7 @@ void print(const SceneParts& parts, const Census& counts, const SceneBounds* bou
                    placeText(bounds->center, parts));
     if (const Vec3d& o = parts.origin; o != Vec3d(0.0))
         fmt::print("origin      rendered around ({:.10g}, {:.10g}, {:.10g}), for precision\n", o.x, o.y, o.z);
-    for (const std::string& warning : parts.warnings) fmt::print("warning     {}\n", warning);
+    for (const std::string& warning : parts.warnings) fmt::print("warning     {}\n", printable(warning));
 }
 
 void printJson(const SceneParts& parts, const Census& counts, const SceneBounds* bounds) {
@@ -145,10 +149,15 @@ void printJson(const SceneParts& parts, const Census& counts, const SceneBounds*
         result["bounds"] = {{"radius", bounds->radius}, {"center", {center.x, center.y, center.z}}};
     }
     result["origin"] = {parts.origin.x, parts.origin.y, parts.origin.z};
-    fmt::print("{}\n", result.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+    fmt::print("{}\n", result.dump(2, ' ', true, nlohmann::json::error_handler_t::replace));
 }
 
 int info(const InfoArguments& a) {
+    if (isImageFile(a.scene)) {
+        const ImageInfo image = readImageInfo(a.scene);
+        a.json ? printImageJson(image) : printImage(image);
+        return kDone;
+    }
     LoadOptions options;
     options.defines = parseDefines(a.defines);
     options.lenient = a.lenient;
@@ -173,10 +182,11 @@ int info(const InfoArguments& a) {
 }  // namespace
 
 Run addInfoCommand(CLI::App& parent) {
-    CLI::App* app = parent.add_subcommand("info", "Show what was understood of a scene");
+    CLI::App* app =
+        parent.add_subcommand("info", "Show what was understood of a scene, or what an image says of itself");
     app->footer(kInfoExamples);
     auto a = std::make_shared<InfoArguments>();
-    app->add_option("scene", a->scene, "Mitsuba scene (XML) or glTF")->required();
+    app->add_option("scene", a->scene, "Mitsuba scene (XML), glTF, or an image")->required();
     app->add_option("-D,--define", a->defines, "Value for a <default> or $parameter of the scene")
         ->option_text("NAME=VALUE")
         ->allow_extra_args(false);

@@ -1,14 +1,19 @@
 #include "app/commands.h"
 #include "base/error.h"
+#include "base/printable.h"
 #include "base/suggest.h"
 
 #include <metrolux/version.h>
 
 #include <fmt/format.h>
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <atomic>
 #include <cstdio>
+#include <cstdlib>
+#include <exception>
 #include <limits>
 #include <malloc.h>
 #include <new>
@@ -84,7 +89,7 @@ int runCommandLine(int argc, char** argv) {
     } catch (const CLI::Success& request) {
         return root.exit(request);
     } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "metrolux: {}\n", error.what());
+        fmt::print(stderr, "metrolux: {}\n", printable(error.what()));
         const Command* command = chosen();
         fmt::print(stderr, "{}\n", hintFor(error, root, command != nullptr ? command->app : nullptr));
         return kUserError;
@@ -97,11 +102,59 @@ int runCommandLine(int argc, char** argv) {
     return command->run();
 }
 
+/// %*: the text of a message, printable. It may come from a file.
+class PrintableText final : public spdlog::custom_flag_formatter {
+  public:
+    void format(const spdlog::details::log_msg& message, const std::tm&, spdlog::memory_buf_t& to) override {
+        const std::string text = printable({message.payload.data(), message.payload.size()});
+        to.append(text.data(), text.data() + text.size());
+    }
+    std::unique_ptr<spdlog::custom_flag_formatter> clone() const override {
+        return std::make_unique<PrintableText>();
+    }
+};
+
+void setUpLog() {
+    spdlog::set_default_logger(spdlog::stderr_color_mt("metrolux"));
+    auto formatter = std::make_unique<spdlog::pattern_formatter>();
+    formatter->add_flag<PrintableText>('*').set_pattern("%^[%l]%$ %*");
+    spdlog::set_formatter(std::move(formatter));
+}
+
 /// Each pass stores as much as the one before: memory that goes back to the system in between is cleared and
 /// mapped page by page again, 2 to 3 % of the time of a pass.
 void keepFreedMemory() {
     ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest that glibc takes
     ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+}
+
+constexpr const char* kOutOfMemory = "metrolux: out of memory; try a lower --resolution or --memory\n";
+
+std::atomic<bool> memoryRanOut{false};
+
+/// Where an exception has nowhere to go (a thread of a library, a function that promises not to throw):
+/// memory that is missing is told as elsewhere, everything else is a bug. Which exception it is may not be
+/// known here.
+[[noreturn]] void endWithoutException() {
+    if (memoryRanOut) {
+        std::fputs(kOutOfMemory, stderr);
+        std::_Exit(kUserError);
+    }
+    try {
+        if (const std::exception_ptr problem = std::current_exception()) std::rethrow_exception(problem);
+    } catch (const std::exception& problem) {
+        std::fprintf(stderr, "metrolux: internal error: %s\n", problem.what());
+    } catch (...) {
+    }
+    std::abort();
+}
+
+void watchMemory() {
+    std::set_new_handler([] {
+        memoryRanOut = true;
+        throw std::bad_alloc();
+    });
+    std::set_terminate(endWithoutException);
 }
 
 }  // namespace
@@ -110,18 +163,18 @@ void keepFreedMemory() {
 int main(int argc, char** argv) {
     using namespace metrolux::core::app;
     keepFreedMemory();
-    spdlog::set_default_logger(spdlog::stderr_color_mt("metrolux"));
-    spdlog::set_pattern("%^[%l]%$ %v");
+    watchMemory();
     try {
+        setUpLog();
         return runCommandLine(argc, argv);
     } catch (const metrolux::core::Error& error) {
-        fmt::print(stderr, "metrolux: {}\n", error.what());
+        fmt::print(stderr, "metrolux: {}\n", metrolux::core::printableLines(error.what()));
         return kUserError;
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "metrolux: out of memory; try a lower --resolution or --memory\n");
+        std::fputs(kOutOfMemory, stderr);
         return kUserError;
     } catch (const std::exception& error) {
-        fmt::print(stderr, "metrolux: internal error: {}\n", error.what());
+        fmt::print(stderr, "metrolux: internal error: {}\n", metrolux::core::printableLines(error.what()));
         return kInternalError;
     }
 }

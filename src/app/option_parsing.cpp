@@ -63,6 +63,7 @@ double parseRelativeError(const std::string& text) {
     if (isNumber && takeSeparator(rest, '%')) error /= 100;
     if (!isNumber || !rest.empty())
         throw Error("--error {}: expected a number above zero such as 0.02 or 2%", text);
+    if (error > 1) throw Error("--error {}: found more than the image itself, expected at most 100%", text);
     return error;
 }
 

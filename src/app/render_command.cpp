@@ -1,6 +1,7 @@
 #include "app/all_sensors.h"
 #include "app/commands.h"
 #include "app/interrupt.h"
+#include "app/progress_json.h"
 #include "app/render_options.h"
 #include "base/error.h"
 #include "image/atomic_file.h"
@@ -32,7 +33,13 @@ The same scene, options and number of passes give the same image on any number o
 }  // namespace
 
 void reportNonFinite(const std::string& statistics) {
-    const nlohmann::json counts = nlohmann::json::parse(statistics)["non_finite"];
+    const nlohmann::json all = nlohmann::json::parse(statistics);
+    if (const auto beyond = all["beyond_single_precision"].get<uint64_t>(); beyond > 0)
+        spdlog::warn(
+            "{} values of the image are too large or too small for single precision, which loses digits "
+            "of them or all",
+            beyond);
+    const nlohmann::json& counts = all["non_finite"];
     for (const auto& [technique, count] : counts.items())
         if (count.get<uint64_t>() > 0)
             spdlog::warn("{} contributions of the technique '{}' were not finite and were left out",
@@ -61,6 +68,8 @@ int conclude(const metrolux::Outcome& outcome, const std::string& statistics, co
         return kInterrupted;
     }
     for (const std::string& file : a.outputs) spdlog::info("wrote {}", file);
+    if (outcome.reason == metrolux::StopReason::Full)
+        spdlog::warn("ended after {} passes, the most that a rendering can have", outcome.passes);
     if (outcome.reason != metrolux::StopReason::Interrupted) return kDone;
     const fs::path& checkpoint = a.files.checkpoint;
     if (checkpoint.empty())
@@ -74,35 +83,50 @@ int conclude(const metrolux::Outcome& outcome, const std::string& statistics, co
 
 namespace {
 
-/// While it lives, what the library has to say is shown below the line of progress.
-class Terminal {
+/// Shows what happens. While it lives, what the library has to say comes below the line of progress.
+class Reporter {
   public:
-    explicit Terminal(bool quiet) : progress_(ProgressReporter::modeFor(stderr, quiet)) {
+    explicit Reporter(const RenderArguments& a)
+        : arguments_(a),
+          line_(ProgressReporter::modeFor(stderr, a.quiet || a.progress != "text")),
+          speaksJson_(a.progress == "json" && a.rank == 0) {
         metrolux::setLog([this](metrolux::LogLevel level, const std::string& message) {
-            progress_.finish();
-            spdlog::log(level == metrolux::LogLevel::Warning ? spdlog::level::warn : spdlog::level::info,
-                        "{}", message);
+            const bool warning = level == metrolux::LogLevel::Warning;
+            line_.finish();
+            spdlog::log(warning ? spdlog::level::warn : spdlog::level::info, "{}", message);
+            if (speaksJson_) json_.log(warning ? "warning" : "info", message);
         });
     }
-    ~Terminal() { metrolux::setLog({}); }
-    Terminal(const Terminal&) = delete;
-    Terminal& operator=(const Terminal&) = delete;
+    ~Reporter() { metrolux::setLog({}); }
+    Reporter(const Reporter&) = delete;
+    Reporter& operator=(const Reporter&) = delete;
 
-    void show(const metrolux::Progress& p) {
-        progress_.update({p.passes, p.seconds, p.relativeError, p.secondsRemaining}, p.raysPerSecond, p.note);
+    void begin(const metrolux::Scene& scene, const std::string& integrator, int threads) {
+        const metrolux::Crop window = scene.window();
+        spdlog::info("{}: {}x{} pixels, integrator {}, {} threads", arguments_.scene, window.width,
+                     window.height, integrator, threads);
+        if (speaksJson_) json_.begin(arguments_.scene, window, integrator, threads);
     }
-    void finish() { progress_.finish(); }
+    void pass(const metrolux::Progress& p) {
+        line_.update({p.passes, p.seconds, p.relativeError, p.secondsRemaining}, p.raysPerSecond,
+                     arguments_.verbose ? p.note : "");
+        if (speaksJson_) json_.pass(p);
+    }
+    /// Reports what became of the files; the exit status.
+    int end(const metrolux::Outcome& outcome, const std::string& statistics) {
+        line_.finish();
+        reportNonFinite(statistics);
+        const int status = conclude(outcome, statistics, arguments_);
+        if (speaksJson_) json_.end(outcome, arguments_.outputs, status);
+        return status;
+    }
 
   private:
-    ProgressReporter progress_;
+    const RenderArguments& arguments_;
+    ProgressReporter line_;
+    JsonProgress json_;
+    bool speaksJson_;
 };
-
-void announce(const RenderArguments& a, const metrolux::Scene& scene, const std::string& integrator,
-              int threads) {
-    const metrolux::Crop window = scene.window();
-    spdlog::info("{}: {}x{} pixels, integrator {}, {} threads", a.scene, window.width, window.height,
-                 integrator, threads);
-}
 
 /// The scene, and what of the options depends on it.
 metrolux::Scene prepared(RenderArguments& a) {
@@ -116,40 +140,34 @@ metrolux::Scene prepared(RenderArguments& a) {
 
 int renderAlone(RenderArguments& a, std::optional<Checkpoint> before) {
     if (a.quiet) spdlog::set_level(spdlog::level::warn);
-    Terminal terminal(a.quiet);
+    Reporter reporter(a);
     const metrolux::Scene scene = prepared(a);
     metrolux::Session session(scene, a.session);
-    if (before) Internals::restore(session, *std::move(before));
-    announce(a, scene, session.integrator(), session.threads());
-    const metrolux::Hooks hooks{[&](const metrolux::Progress& p) { terminal.show(p); }, interruptRequested};
+    if (before) Internals::restore(session, *std::move(before), a.otherBuild);
+    reporter.begin(scene, session.integrator(), session.threads());
+    const metrolux::Hooks hooks{[&](const metrolux::Progress& p) { reporter.pass(p); }, interruptRequested};
     const metrolux::Outcome outcome = session.render(a.limits, hooks, a.files);
-    terminal.finish();
-    const std::string statistics = session.statistics();
-    reportNonFinite(statistics);
-    return conclude(outcome, statistics, a);
+    return reporter.end(outcome, session.statistics());
 }
 
 /// One of the processes of a team.
 int renderTogether(Team& team, RenderArguments& a, std::optional<Checkpoint> before) {
     if (a.quiet) spdlog::set_level(a.rank > 0 ? spdlog::level::err : spdlog::level::warn);
-    Terminal terminal(a.quiet);
+    Reporter reporter(a);
     const metrolux::Scene scene = prepared(a);
     Workers workers(a.session.threads);
     return workers.execute([&] {
         SessionOptions options = api::coreOptions(scene, a.session);
         options.rank = a.rank;
         RenderSession session(Internals::of(scene).scene, options);
-        if (before) session.restore(*std::move(before));
-        announce(a, scene, session.options().integrator, workers.threads());
-        const metrolux::Hooks hooks{[&](const metrolux::Progress& p) { terminal.show(p); },
+        if (before) session.restore(*std::move(before), a.otherBuild);
+        reporter.begin(scene, session.options().integrator, workers.threads());
+        const metrolux::Hooks hooks{[&](const metrolux::Progress& p) { reporter.pass(p); },
                                     interruptRequested};
         const SessionResult result =
             session.runTogether(team, api::runOptions(a.limits, a.files), api::runHooks(hooks));
-        terminal.finish();
         if (a.rank > 0) return int{kDone};  // rank 0 reports
-        const std::string statistics = result.statistics.dump(2);
-        reportNonFinite(statistics);
-        return conclude(api::outcomeOf(result), statistics, a);
+        return reporter.end(api::outcomeOf(result), result.statistics.dump(2));
     });
 }
 
@@ -157,7 +175,14 @@ int renderTogether(Team& team, RenderArguments& a, std::optional<Checkpoint> bef
 
 int render(RenderArguments& a, std::optional<Checkpoint> before) {
     const std::unique_ptr<Team> team = makeTeam();
-    if (!team) return renderAlone(a, std::move(before));
+    if (!team) {
+        try {
+            return renderAlone(a, std::move(before));
+        } catch (const Error& error) {
+            if (a.progress == "json") JsonProgress().error(error.what(), kUserError);
+            throw;
+        }
+    }
     // An error of one process ends all: the others would wait for it.
     try {
         if (a.slices == 0 || !a.onlySlices.empty())

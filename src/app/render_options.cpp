@@ -28,7 +28,7 @@ void addOutputOptions(CLI::App& app, RenderArguments& a) {
         ->check(CLI::IsMember({"srgb", "filmic"}))
         ->group(group);
     app.add_option("--aov", a.session.layers,
-                   "Layers to add to EXR files, of albedo, normal, depth, variance")
+                   "Layers to add to EXR files, of albedo, normal, depth, variance, alpha")
         ->option_text("NAME,...")
         ->delimiter(',')
         ->allow_extra_args(false)
@@ -40,6 +40,17 @@ void addOutputOptions(CLI::App& app, RenderArguments& a) {
     app.add_flag("--quiet", a.quiet, "Show errors and warnings only")->group(group);
 }
 
+void addProgressOptions(CLI::App& app, RenderArguments& a, const std::string& group) {
+    app.add_option("--progress", a.progress,
+                   "Progress: text (default), none, or json: an object a line on standard output, for\n"
+                   "programs (docs/reference/command.md)")
+        ->option_text("text|json|none")
+        ->check(CLI::IsMember({"text", "json", "none"}))
+        ->group(group);
+    app.add_flag("-v,--verbose", a.verbose, "Show what the integrator has to say about itself, too")
+        ->group(group);
+}
+
 void addLimitOptions(CLI::App& app, RenderArguments& a) {
     const std::string group =
         fmt::format("When to stop (whichever comes first; without any: --time {}s)", kDefaultSeconds);
@@ -48,7 +59,7 @@ void addLimitOptions(CLI::App& app, RenderArguments& a) {
         ->group(group);
     app.add_option("--passes", a.limits.passes, "Number of passes")
         ->option_text("N")
-        ->check(wholeNumber<uint32_t>(1, std::numeric_limits<uint32_t>::max()))
+        ->check(wholeNumber<uint32_t>(1, Film::kMostPasses))
         ->group(group);
     app.add_option("--error", a.error, "Estimated relative error of the image (root mean square): 0.02 or 2%")
         ->option_text("X")
@@ -103,6 +114,7 @@ void addRenderOptions(CLI::App& app, RenderArguments& a) {
                        kDefaultSaveEvery))
         ->option_text("TIME")
         ->group("Output");
+    addProgressOptions(app, a, "Output");
     addLimitOptions(app, a);
     addCheckpointOptions(app, a);
     addSliceOptions(app, a);
@@ -185,7 +197,13 @@ void addMachineOptions(CLI::App& app, RenderArguments& a) {
 }
 
 void prepareAlgorithm(RenderArguments& a) {
-    if (!a.memory.empty()) a.session.memory = parseMemory(a.memory);
+    if (!a.memory.empty()) {
+        constexpr size_t kLeast = 64 << 10;  // some hundred pixels at a time
+        a.session.memory = parseMemory(a.memory);
+        if (a.session.memory < kLeast)
+            throw Error("--memory {}: found less than an iteration can do with, expected at least 64k",
+                        a.memory);
+    }
     if (a.session.integrator != kSceneIntegrator)
         settleParameters(a.session.parameters, findIntegrator(a.session.integrator));
 }

@@ -18,7 +18,9 @@ struct RenderArguments {
     metrolux::Limits limits;
     metrolux::Files files;
     int rank = 0;  ///< in a team: files are written by rank 0
-    bool lenient = false, strict = false, quiet = false;
+    std::string progress = "text";
+    bool lenient = false, strict = false, quiet = false, verbose = false;
+    bool otherBuild = false;  ///< `resume`
 };
 
 /// --define, --sensor, --resolution, --crop, --filter, --scene-memory, --lenient, --strict.
@@ -27,6 +29,8 @@ void addSceneOptions(CLI::App& app, RenderArguments& a);
 void addStrictnessOptions(CLI::App& app, bool& lenient, bool& strict, const std::string& group);
 /// -o, --stats and how images are written.
 void addOutputOptions(CLI::App& app, RenderArguments& a);
+/// --progress, --verbose.
+void addProgressOptions(CLI::App& app, RenderArguments& a, const std::string& group);
 /// --time, --passes, --error.
 void addLimitOptions(CLI::App& app, RenderArguments& a);
 /// --checkpoint, --checkpoint-every.

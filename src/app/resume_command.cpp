@@ -63,6 +63,9 @@ RenderArguments argumentsOf(const Checkpoint& checkpoint, const ResumeArguments&
     result.outputs = a.overrides.outputs.empty() ? checkpoint.outputs : a.overrides.outputs;
     result.session.threads = a.overrides.session.threads;
     result.quiet = a.overrides.quiet;
+    result.verbose = a.overrides.verbose;
+    result.otherBuild = a.overrides.otherBuild;
+    result.progress = a.overrides.progress;
     metrolux::Limits limits = a.overrides.limits;
     if (!a.overrides.time.empty()) limits.seconds = parseDuration(a.overrides.time);
     if (!a.overrides.error.empty()) limits.relativeError = parseRelativeError(a.overrides.error);
@@ -102,6 +105,11 @@ Run addResumeCommand(CLI::App& parent) {
         ->option_text("T")
         ->check(wholeNumber(1, 4096));
     app->add_flag("--quiet", overrides.quiet, "Show errors and warnings only");
+    addProgressOptions(*app, overrides, "");
+    app->add_flag(
+        "--other-build", overrides.otherBuild,
+        "Go on although another build of this version, or another kind of machine, has written\nthe "
+        "checkpoint: the image is right, its last bits could differ");
     addLimitOptions(*app, overrides);
     return [arguments] { return resume(*arguments); };
 }

@@ -70,7 +70,7 @@ void addComparisonOptions(CLI::App& app, StudyArguments& a) {
         ->group(group);
     app.add_option("--passes", a.plan.passes, "Equal number of passes in place of equal time")
         ->option_text("N")
-        ->check(wholeNumber<uint32_t>(1, std::numeric_limits<uint32_t>::max()))
+        ->check(wholeNumber<uint32_t>(1, Film::kMostPasses))
         ->group(group);
     app.add_option("--seeds", a.plan.seeds,
                    "Runs of each integrator (default: 3); with 1 there are no confidence bands")

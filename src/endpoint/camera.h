@@ -3,7 +3,9 @@
 #include "endpoint/endpoint.h"
 #include "image/film_window.h"
 
+#include <array>
 #include <memory>
+#include <optional>
 
 namespace metrolux::core {
 
@@ -17,6 +19,16 @@ class Camera : public Endpoint {
     /// Approximate width of a pixel's footprint at distance d (scene units): for the merging radius.
     virtual float pixelFootprint(float distance) const = 0;
     virtual Vec3f position() const = 0;
+    /// What other programs need to place things in the image, as OpenEXR's standard attributes of these names
+    /// define it. Row by row; points of the world are rows that are multiplied from the left.
+    struct Matrices {
+        /// x points to the right in the image, y up, z along the view.
+        std::array<float, 16> worldToCamera;
+        /// (0, 0) is the upper left, (1, 1) the lower right corner of the full image; z says nothing.
+        std::array<float, 16> worldToNdc;
+    };
+    /// Nothing for cameras whose image is no projection onto a plane.
+    virtual std::optional<Matrices> matrices() const { return std::nullopt; }
     /// The point on the lens (or pinhole) from which distances along a sampled ray count: rays may start at a
     /// near plane.
     virtual Vec3f projectionCenter(const Vec3f& origin, const Vec3f& direction) const {
@@ -25,6 +37,22 @@ class Camera : public Endpoint {
     }
 
   protected:
+    /// From the axes of the camera as seen in the image, each with a constant term; x, y and w are the
+    /// homogeneous coordinates in which the image is projected.
+    struct Row {
+        Vec3f axis{0.0f};
+        float constant = 0;
+    };
+    static std::array<float, 16> matrixOf(const Row& x, const Row& y, const Row& z, const Row& w) {
+        std::array<float, 16> m;
+        for (size_t i = 0; i < 4; ++i) {
+            const Row* const columns[] = {&x, &y, &z, &w};
+            for (size_t c = 0; c < 4; ++c)
+                m[4 * i + c] = i < 3 ? columns[c]->axis[static_cast<int>(i)] : columns[c]->constant;
+        }
+        return m;
+    }
+
     FilmWindow window_;
 };
 using CameraPtr = std::shared_ptr<Camera>;

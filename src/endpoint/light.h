@@ -33,6 +33,11 @@ class Light : public Endpoint {
     /// Emitted power (flux, luminance of its channels): for light selection.
     virtual float power() const = 0;
 
+    /// The light emits 2^exponent times what the other functions say. 0, unless the scene is too bright or
+    /// too dark for single precision and for the sums of the film: see Scene::emissionExponent().
+    int emissionExponent() const { return emissionExponent_; }
+    void setEmissionExponent(int exponent);
+
     /// Nothing for lights that are nowhere in particular: infinite ones, and those that are not connectable.
     virtual std::optional<LightBounds> bounds() const { return std::nullopt; }
 
@@ -66,6 +71,13 @@ class Light : public Endpoint {
     virtual void setSceneBounds(const SceneBounds& bounds) { (void)bounds; }
     /// A light like this one for a scene of other bounds; null where bounds make no difference.
     virtual std::shared_ptr<Light> copy() const { return nullptr; }
+
+  protected:
+    /// `factor`: a power of two.
+    virtual void scaleEmission(float factor) = 0;
+
+  private:
+    int emissionExponent_ = 0;
 };
 using LightPtr = std::shared_ptr<Light>;
 

@@ -13,6 +13,7 @@
 
 #include <cstring>
 #include <mutex>
+#include <new>
 #include <unordered_map>
 
 namespace metrolux::core {
@@ -109,18 +110,24 @@ struct Intersector::Impl {
     int packetWidth = 1;                 // the widest that the processor traces as a whole
     std::mutex errorMutex;
     std::string error;  // the first that Embree reported
+    bool outOfMemory = false;
 
     Impl() {
         // Embree's flush-to-zero modes stay off: they would belong in every thread that traces, and results
         // must not depend on the thread.
         device = rtcNewDevice(kDeviceOptions);
-        if (!device)
-            throw Error("Embree: no device (error {})", static_cast<int>(rtcGetDeviceError(nullptr)));
+        if (!device) {
+            const RTCError code = rtcGetDeviceError(nullptr);
+            if (code == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+            throw Error("Embree: no device (error {})", static_cast<int>(code));
+        }
         rtcSetDeviceErrorFunction(
             device,
             [](void* self, RTCError code, const char* text) {
                 auto& impl = *static_cast<Impl*>(self);
                 const std::lock_guard lock(impl.errorMutex);
+                impl.outOfMemory |= code == RTC_ERROR_OUT_OF_MEMORY;
+                if (impl.outOfMemory) return;
                 if (impl.error.empty())
                     impl.error = fmt::format("{} (error {})", text, static_cast<int>(code));
             },
@@ -142,6 +149,7 @@ struct Intersector::Impl {
 
     void check(const std::string& what) {
         const std::lock_guard lock(errorMutex);
+        if (outOfMemory) throw std::bad_alloc();
         if (!error.empty()) throw Error("Embree: {} while {}", error, what);
     }
 
@@ -406,6 +414,8 @@ size_t Intersector::replay(std::span<const RecordedRay> rays) const {
     }
     return different;
 }
+
+int Intersector::packetWidth() const { return impl_->packetWidth; }
 
 std::string Intersector::libraryVersion() {
     return fmt::format("{}.{}.{}", RTC_VERSION_MAJOR, RTC_VERSION_MINOR, RTC_VERSION_PATCH);

@@ -62,6 +62,8 @@ class Intersector {
     size_t replay(std::span<const RecordedRay> rays) const;
 
     void bounds(Vec3f& lower, Vec3f& upper) const;
+    /// Rays that the machine traces as a whole, 1, 4, 8 or 16.
+    int packetWidth() const;
     /// Embree's version, "3.13.5".
     static std::string libraryVersion();
     /// Since the process began.

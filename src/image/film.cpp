@@ -10,6 +10,7 @@
 #include <array>
 #include <atomic>
 #include <cassert>
+#include <limits>
 
 namespace metrolux::core {
 
@@ -18,6 +19,12 @@ constexpr int64_t kMostPixels = int64_t{1} << 28;
 
 double luminanceOf(const std::array<double, 3>& rgb) {
     return 0.212671 * rgb[0] + 0.715160 * rgb[1] + 0.072169 * rgb[2];
+}
+
+/// value * 2^exponent, as near as a float comes.
+float scaledFloat(double value, int exponent) {
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    return static_cast<float>(std::clamp(std::ldexp(value, exponent), -kLargest, kLargest));
 }
 }  // namespace
 
@@ -37,7 +44,8 @@ struct Film::Implementation {
           error(static_cast<uint32_t>(eye.size())) {}
 };
 
-Film::Film(const FilmWindow& window, const ReconstructionFilter& filter) : window_(window), filter_(filter) {
+Film::Film(const FilmWindow& window, const ReconstructionFilter& filter, int exponent)
+    : window_(window), filter_(filter), exponent_(exponent) {
     if (window.width <= 0 || window.height <= 0 || window.x < 0 || window.y < 0 ||
         window.x + window.width > window.fullWidth || window.y + window.height > window.fullHeight)
         throw Error("film: the window {}x{} at ({}, {}) does not lie inside the image of {}x{} pixels",
@@ -171,6 +179,7 @@ void Film::addSplats(const SplatList& splats, double pixelScale, double filmScal
 }
 
 Film::LeftOut Film::endPass() {
+    if (passes_ >= kMostPasses) throw Error("film: it has {} passes and takes no more", passes_);
     Implementation& film = *implementation_;
     for (size_t i = 0; i < film.sums.size(); ++i) {
         std::array<double, 3> value = film.splats.take(i);
@@ -203,7 +212,19 @@ void Film::image(std::span<float> target) const {
     if (passes_ == 0) return std::fill(target.begin(), target.end(), 0.0f);
     for (size_t i = 0; i < implementation_->sums.size(); ++i)
         for (size_t c = 0; c < 3; ++c)
-            target[3 * i + c] = static_cast<float>(implementation_->sums[i].color[c].value() / passes_);
+            target[3 * i + c] = scaledFloat(implementation_->sums[i].color[c].value() / passes_, exponent_);
+}
+
+uint64_t Film::beyondFloat() const {
+    if (exponent_ == 0 || passes_ == 0) return 0;
+    uint64_t count = 0;
+    for (const PixelSum& sum : implementation_->sums)
+        for (const auto& color : sum.color) {
+            const double value = std::abs(std::ldexp(color.value() / passes_, exponent_));
+            count += value > double(std::numeric_limits<float>::max()) ||
+                     (value > 0 && value < double(std::numeric_limits<float>::min()));
+        }
+    return count;
 }
 
 std::vector<float> Film::variance() const {
@@ -220,7 +241,7 @@ void Film::variance(std::span<float> target) const {
         const PixelSum& sum = implementation_->sums[i];
         const double mean =
             luminanceOf({sum.color[0].value(), sum.color[1].value(), sum.color[2].value()}) / n;
-        target[i] = static_cast<float>(std::max(0.0, sum.squares() / n - mean * mean) / (n - 1));
+        target[i] = scaledFloat(std::max(0.0, sum.squares() / n - mean * mean) / (n - 1), 2 * exponent_);
     }
 }
 
@@ -248,6 +269,9 @@ void Film::addSums(std::span<const PixelSum> sums, uint32_t passes) {
     if (sums.size() != implementation_->sums.size())
         throw Error("film: found the sums of {} pixels, expected {}", sums.size(),
                     implementation_->sums.size());
+    if (passes > kMostPasses - passes_)
+        throw Error("film: {} and {} passes are more than the {} that it takes", passes_, passes,
+                    kMostPasses);
     for (size_t i = 0; i < sums.size(); ++i) implementation_->sums[i] += sums[i];
     passes_ += passes;
     implementation_->errorKnown = false;

@@ -31,7 +31,8 @@ struct RasterRectangle {
 /// eye contributions of a pixel come from one task, splats are summed in fixed point.
 class Film {
   public:
-    Film(const FilmWindow& window, const ReconstructionFilter& filter);
+    /// What is added counts 2^exponent: images and variances are in the units of the scene.
+    Film(const FilmWindow& window, const ReconstructionFilter& filter, int exponent = 0);
 
     const FilmWindow& window() const { return window_; }
     const ReconstructionFilter& filter() const { return filter_; }
@@ -65,8 +66,14 @@ class Film {
     /// Says what of the pass was left out.
     LeftOut endPass();
     uint32_t passes() const { return passes_; }
+    int exponent() const { return exponent_; }
+    /// Values of image() that are too large for single precision, or so small that it loses bits of them.
+    uint64_t beyondFloat() const;
+    /// BlockedErrorEstimate has room for no more, and loadState() takes no more.
+    static constexpr uint32_t kMostPasses = (uint32_t{1} << 24) - 1;
 
-    /// Mean over passes, row by row, 3 floats a pixel.
+    /// Mean over passes, row by row, 3 floats a pixel. What single precision cannot hold is its largest
+    /// number, and is counted by beyondFloat().
     std::vector<float> image() const;
     /// As image(), into memory for it.
     void image(std::span<float> target) const;
@@ -95,6 +102,7 @@ class Film {
     struct Implementation;
     FilmWindow window_;
     ReconstructionFilter filter_;
+    int exponent_;
     uint32_t passes_ = 0;
     std::shared_ptr<Implementation> implementation_;
 };

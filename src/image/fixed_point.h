@@ -13,6 +13,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <thread>
 #include <vector>
@@ -20,10 +21,11 @@
 namespace metrolux::core {
 
 /// RGB accumulators for concurrent adds. One integer unit would either overflow or lose faint light, so each
-/// term goes to the accumulator of its own magnitude. A term has at most 40 significant bits in its range, so
-/// that 2^23 terms of the largest size fit an accumulator before it could wrap.
+/// term goes to the accumulator of its own magnitude. A term has at most 40 significant bits in its range.
+/// Before an accumulator could wrap, its upper bits move to a word of their own: a tile of pixels counts how
+/// often it has been added to.
 ///
-/// Who adds holds the lock of a tile of pixels: one atomic operation for a splat of 25 pixels with 75 sums.
+/// Who adds holds the lock of a tile: one atomic operation for a splat of 25 pixels with 75 sums.
 class FixedPointImage {
     static constexpr size_t kChannels = 3, kRanges = 3;
 
@@ -37,7 +39,7 @@ class FixedPointImage {
 
     /// Adds value * scale. False, and nothing is added, when a component is not finite or exceeds kLargest.
     bool add(size_t pixel, const Rgb& value, double scale) {
-        const Hold hold(tileAt(pixel % width_, pixel / width_));
+        const Hold hold(*this, pixel % width_, pixel / width_);
         return addHeld(pixel, value, scale);
     }
 
@@ -63,7 +65,7 @@ class FixedPointImage {
             bottom = std::min(rows.size(), tileEnd(y + top) - y);
             for (size_t left = 0, right; left < columns.size(); left = right) {
                 right = std::min(columns.size(), tileEnd(x + left) - x);
-                const Hold hold(tileAt(x + left, y + top));
+                const Hold hold(*this, x + left, y + top);
                 for (size_t j = top; j < bottom; ++j) {
                     const double rowScale = scale * rows[j];
                     const size_t line = (y + j) * width_ + x;
@@ -89,11 +91,19 @@ class FixedPointImage {
 
     /// The sum of a pixel, which is reset to zero. Not for use while others add.
     std::array<double, 3> take(size_t pixel) {
+        const size_t x = pixel % width_, y = pixel / width_;
+        int64_t* const carried = tileAt(x, y).carried.get();
         std::array<double, 3> result{};
         for (size_t range = 0; range < kRanges; ++range)
             for (size_t c = 0; c < kChannels; ++c) {
                 int64_t& sum = sums_[(range * pixels_ + pixel) * kChannels + c];
-                result[c] += static_cast<double>(sum) / kUnitsPerOne[range];
+                double units = static_cast<double>(sum);
+                if (carried) {
+                    int64_t& upper = carried[carriedIndex(x, y, range, c)];
+                    units = sumOf(upper, sum);
+                    upper = 0;
+                }
+                result[c] += units / kUnitsPerOne[range];
                 sum = 0;
             }
         return result;
@@ -112,12 +122,15 @@ class FixedPointImage {
     static constexpr size_t kTile = 32;
     struct alignas(64) Tile {
         std::atomic<bool> held{false};
+        uint32_t holds = 0;  ///< since the last carry(); a pixel gets at most a term in each
+        std::unique_ptr<int64_t[]> carried;
     };
     class Hold {
       public:
-        explicit Hold(Tile& tile) : tile_(tile) {
+        Hold(FixedPointImage& image, size_t x, size_t y) : tile_(image.tileAt(x, y)) {
             for (int tries = 1; tile_.held.exchange(true, std::memory_order_acquire); ++tries)
                 if (tries % 64 == 0) std::this_thread::yield();  // its holder may wait for this processor
+            if (++tile_.holds == kMostHolds) image.carry(x, y);
         }
         ~Hold() { tile_.held.store(false, std::memory_order_release); }
         Hold(const Hold&) = delete;
@@ -128,6 +141,32 @@ class FixedPointImage {
     };
     Tile& tileAt(size_t x, size_t y) { return tiles_[y / kTile * tilesAcross_ + x / kTile]; }
     static size_t tileEnd(size_t x) { return (x / kTile + 1) * kTile; }
+
+    static constexpr uint32_t kMostHolds = uint32_t{1} << 22;
+    static constexpr int kCarriedBits = 40;
+    static size_t carriedIndex(size_t x, size_t y, size_t range, size_t channel) {
+        return ((y % kTile * kTile + x % kTile) * kRanges + range) * kChannels + channel;
+    }
+    static double sumOf(int64_t upper, int64_t lower) {
+        __extension__ using Integer = __int128;
+        return static_cast<double>(static_cast<Integer>(upper) * (int64_t{1} << kCarriedBits) + lower);
+    }
+    /// Leaves what is below 2^kCarriedBits in the accumulators of a tile, which the caller holds.
+    void carry(size_t x, size_t y) {
+        Tile& tile = tileAt(x, y);
+        tile.holds = 0;
+        if (!tile.carried) tile.carried = std::make_unique<int64_t[]>(kTile * kTile * kRanges * kChannels);
+        const size_t left = x / kTile * kTile, top = y / kTile * kTile;
+        for (size_t j = top; j < std::min(tileEnd(y), pixels_ / width_); ++j)
+            for (size_t i = left; i < std::min(tileEnd(x), width_); ++i)
+                for (size_t range = 0; range < kRanges; ++range)
+                    for (size_t c = 0; c < kChannels; ++c) {
+                        int64_t& sum = sums_[(range * pixels_ + j * width_ + i) * kChannels + c];
+                        const int64_t upper = sum >> kCarriedBits;
+                        tile.carried[carriedIndex(i, j, range, c)] += upper;
+                        sum -= upper * (int64_t{1} << kCarriedBits);
+                    }
+    }
 
     static double largestOf(std::span<const float> weights) {
         float largest = 0;

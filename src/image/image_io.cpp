@@ -168,12 +168,26 @@ std::vector<int> imageChannels(const OIIO::ImageSpec& spec) {
     return result;
 }
 
+ImagePlace placeOf(const OIIO::ImageSpec& spec) {
+    if (spec.x == spec.full_x && spec.y == spec.full_y && spec.width == spec.full_width &&
+        spec.height == spec.full_height)
+        return {};
+    return {spec.x - spec.full_x, spec.y - spec.full_y, spec.full_width, spec.full_height};
+}
+
+/// Name of a channel in the file.
+std::string channelName(const ImageLayer& layer, const std::string& channel) {
+    return layer.name == kAlphaLayer ? "A" : layer.name + "." + channel;
+}
+
 void setMetadata(OIIO::ImageSpec& spec, const Metadata& metadata) {
     for (const auto& [name, value] : metadata) {
         if (const auto* text = std::get_if<std::string>(&value)) spec.attribute(name, *text);
         if (const auto* number = std::get_if<double>(&value))
             spec.attribute(name, OIIO::TypeDesc(OIIO::TypeDesc::DOUBLE), number);
         if (const auto* integer = std::get_if<int>(&value)) spec.attribute(name, *integer);
+        if (const auto* matrix = std::get_if<Matrix>(&value))
+            spec.attribute(name, OIIO::TypeMatrix44, matrix->data());
     }
 }
 
@@ -216,6 +230,7 @@ ImageData decode(OIIO::ImageInput& input, const fs::path& file, bool raw, Memory
     ImageData image;
     image.width = spec.width;
     image.height = spec.height;
+    image.place = placeOf(spec);
     const std::vector<int> selection = imageChannels(spec);
     image.channels = static_cast<int>(selection.size());
     bookImage(file, spec, selection.size(), memory);
@@ -262,7 +277,7 @@ std::string encodeExr(const ImageData& image, const std::vector<ImageLayer>& lay
     for (const ImageLayer& layer : layers) {
         if (layer.pixels.size() != count * layer.channels.size())
             throw Error("cannot write the layer '{}': it does not have the size of the image", layer.name);
-        for (const std::string& channel : layer.channels) names.push_back(layer.name + "." + channel);
+        for (const std::string& channel : layer.channels) names.push_back(channelName(layer, channel));
     }
     std::vector<float> pixels;
     pixels.reserve(count * names.size());
@@ -277,6 +292,12 @@ std::string encodeExr(const ImageData& image, const std::vector<ImageLayer>& lay
     }
     OIIO::ImageSpec spec(image.width, image.height, static_cast<int>(names.size()), OIIO::TypeDesc::FLOAT);
     spec.channelnames = names;
+    if (image.place.isCrop()) {
+        spec.x = image.place.x;
+        spec.y = image.place.y;
+        spec.full_width = image.place.fullWidth;
+        spec.full_height = image.place.fullHeight;
+    }
     spec.attribute("compression", "zip");
     spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), kRec709);
     setMetadata(spec, metadata);
@@ -288,17 +309,39 @@ void writeExr(const fs::path& file, const ImageData& image, const std::vector<Im
     writeFile(file, encodeExr(image, layers, metadata));
 }
 
-Metadata readMetadata(const fs::path& file) {
-    const auto input = openImage(file);
+namespace {
+
+Metadata metadataOf(const OIIO::ImageSpec& spec) {
     Metadata result;
-    for (const OIIO::ParamValue& p : input->spec().extra_attribs) {
+    for (const OIIO::ParamValue& p : spec.extra_attribs) {
         if (p.type() == OIIO::TypeDesc::STRING) result.emplace_back(p.name().string(), p.get_string());
         if (p.type() == OIIO::TypeDesc::INT) result.emplace_back(p.name().string(), p.get_int());
         if (p.type() == OIIO::TypeDesc::FLOAT) result.emplace_back(p.name().string(), double{p.get_float()});
         if (p.type() == OIIO::TypeDesc::DOUBLE)
             result.emplace_back(p.name().string(), *static_cast<const double*>(p.data()));
+        if (p.type() == OIIO::TypeMatrix44) {
+            Matrix matrix;
+            std::copy_n(static_cast<const float*>(p.data()), matrix.size(), matrix.begin());
+            result.emplace_back(p.name().string(), matrix);
+        }
     }
     return result;
+}
+
+}  // namespace
+
+Metadata readMetadata(const fs::path& file) { return metadataOf(openImage(file)->spec()); }
+
+ImageInfo readImageInfo(const fs::path& file) {
+    const auto input = openImage(file);
+    const OIIO::ImageSpec& spec = input->spec();
+    return {input->format_name(), spec.width,        spec.height,
+            placeOf(spec),        spec.channelnames, metadataOf(spec)};
+}
+
+bool isImageFile(const fs::path& file) {
+    std::error_code code;
+    return fs::is_regular_file(file, code) && readerFor(file);
 }
 
 ImageLayer readLayer(const fs::path& file, const std::string& name) {

@@ -2,6 +2,7 @@
 #include "base/memory_budget.h"
 #include "image/tonemap.h"
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -11,9 +12,17 @@
 
 namespace metrolux::core {
 
+/// Where the pixels of an image lie in the full one, of which they are a crop: the data window and the
+/// display window of an EXR. Without a size, or in formats that have none, the pixels are all of it.
+struct ImagePlace {
+    int x = 0, y = 0, fullWidth = 0, fullHeight = 0;
+    bool isCrop() const { return fullWidth > 0; }
+};
+
 struct ImageData {
     int width = 0, height = 0, channels = 0;
     std::vector<float> pixels;  ///< row by row from the top, channels interleaved
+    ImagePlace place = {};
 
     const float* at(int x, int y) const {
         return &pixels[(static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)) *
@@ -37,13 +46,18 @@ ImageData readImage(const std::filesystem::path& file, bool raw, MemoryBudget* m
 ImageData readImageBytes(const std::string& name, std::string_view bytes, bool raw,
                          MemoryBudget* memory = nullptr);
 
+/// The layer whose only channel is that of the image: "A", coverage.
+inline constexpr const char* kAlphaLayer = "alpha";
+
 /// More channels of an EXR, named "name.channel".
 struct ImageLayer {
     std::string name;                   ///< "albedo"
     std::vector<std::string> channels;  ///< "R", "G", "B"
     std::vector<float> pixels;          ///< channels interleaved
 };
-using MetadataValue = std::variant<std::string, double, int>;
+/// Row by row; points are rows that are multiplied from the left, as in OpenEXR.
+using Matrix = std::array<float, 16>;
+using MetadataValue = std::variant<std::string, double, int, Matrix>;
 using Metadata = std::vector<std::pair<std::string, MetadataValue>>;
 
 /// Writes 32-bit float EXR with lossless compression, Rec.709 chromaticities and the metadata as attributes.
@@ -55,6 +69,18 @@ std::string encodeExr(const ImageData& image, const std::vector<ImageLayer>& lay
                       const Metadata& metadata = {});
 /// Attributes of an image file of the types that Metadata knows, as OpenImageIO names them.
 Metadata readMetadata(const std::filesystem::path& file);
+/// What an image file says of itself.
+struct ImageInfo {
+    std::string format;  ///< "openexr", "png" ...
+    int width = 0, height = 0;
+    ImagePlace place;
+    std::vector<std::string> channels;
+    Metadata metadata;
+};
+/// Reads no pixels. Throws Error.
+ImageInfo readImageInfo(const std::filesystem::path& file);
+/// Whether the first bytes (of TGA: the name) are those of a format that is read.
+bool isImageFile(const std::filesystem::path& file);
 /// Channels of a layer that writeExr has written. Throws Error when the file has no such layer.
 ImageLayer readLayer(const std::filesystem::path& file, const std::string& name);
 

@@ -12,7 +12,8 @@ void Integrator::renderPass(Film& film, uint32_t pass) {
 }
 
 Film makeFilm(const Scene& scene) {
-    return {scene.camera().window(), ReconstructionFilter(scene.parts().filterKind, scene.parts().filter)};
+    return {scene.camera().window(), ReconstructionFilter(scene.parts().filterKind, scene.parts().filter),
+            scene.emissionExponent()};
 }
 
 }  // namespace metrolux::core

@@ -69,6 +69,16 @@ double projectedPixelRadius(const Scene& scene, const PathLimits& limits) {
     return count > 0 && sum > 0 ? kFootprints * sum / count : kFallbackFraction * scene.bounds().radius;
 }
 
+void checkRadius(double radius, const Scene& scene) {
+    constexpr double kFinest =
+        0x1p-26;  // a quarter of a unit in the last place, at the distance of the radius
+    const double size = double(scene.bounds().radius);
+    if (!(radius <= size && radius >= kFinest * size))
+        throw Error(
+            "merging radius {:g}: found a scene of radius {:.3g}, expected {:.1g} to {:.3g} scene units",
+            radius, size, kFinest * size, size);
+}
+
 void directPass(const EyePass& pass, std::span<const uint32_t> pixels, Film& film) {
     PathLimits oneEdge = pass.limits;
     oneEdge.maxDepth = 1;

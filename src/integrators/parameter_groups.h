@@ -13,6 +13,9 @@ namespace metrolux::core {
 /// sees (through mirrors and glass, at the first smooth surface). Falls back to a fraction of the scene if it
 /// sees none.
 double projectedPixelRadius(const Scene& scene, const PathLimits& limits);
+/// Throws Error for a merging radius that is larger than the scene, which would blur all of it into one, or
+/// so small that single precision does not tell points apart at that distance.
+void checkRadius(double radius, const Scene& scene);
 
 struct MergingParameters {
     double radius = 0;  ///< scene units; 0: projectedPixelRadius()
@@ -25,7 +28,10 @@ struct MergingParameters {
           "how slowly the radius shrinks: r^2 is as passes^(alpha - 1)");
     }
     void resolve(const Scene& scene, const PathLimits& limits) {
-        if (radius == 0) radius = projectedPixelRadius(scene, limits);
+        if (radius == 0)
+            radius = projectedPixelRadius(scene, limits);
+        else
+            checkRadius(radius, scene);
     }
 };
 

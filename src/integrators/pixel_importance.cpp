@@ -28,12 +28,15 @@ void PixelImportance::update(const Film& film) {
     const size_t n = size_t(film.pixelCount());
     values_.assign(n, 1.0f);
     if (film.passes() == 0) return;
-    const std::vector<float> image = film.image();
+    const std::span<const PixelSum> sums = film.sums();
     std::vector<double> shown(n);
     double mean = 0;
     for (size_t i = 0; i < n; ++i) {
         // Filters with negative lobes can make a pixel negative.
-        shown[i] = std::max(0.0f, luminance(Rgb(image[3 * i], image[3 * i + 1], image[3 * i + 2])));
+        const auto mean3 = [&](int c) {
+            return static_cast<float>(sums[i].color[c].value() / film.passes());
+        };
+        shown[i] = std::max(0.0f, luminance(Rgb(mean3(0), mean3(1), mean3(2))));
         mean += shown[i] / double(n);
     }
     if (!(mean > 0)) return;

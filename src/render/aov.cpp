@@ -17,6 +17,7 @@ struct PixelAovs {
     Rgb albedo{0.0f};
     Vec3f normal{0.0f};
     float depth = 0;
+    float alpha = 0;
 };
 
 PixelAovs samplePixel(const Scene& scene, int x, int y) {
@@ -38,6 +39,7 @@ PixelAovs samplePixel(const Scene& scene, int x, int y) {
     }
     sum.albedo *= 1.0f / kAovSamples;
     sum.normal *= 1.0f / kAovSamples;
+    sum.alpha = static_cast<float>(hits) / kAovSamples;
     if (hits > 0) sum.depth /= static_cast<float>(hits);
     return sum;
 }
@@ -49,21 +51,24 @@ Aov aovFromName(const std::string& name) {
     if (name == "normal") return Aov::Normal;
     if (name == "depth") return Aov::Depth;
     if (name == "variance") return Aov::Variance;
-    throw Error("unknown AOV '{}', expected albedo, normal, depth or variance", name);
+    if (name == kAlphaLayer) return Aov::Alpha;
+    throw Error("unknown AOV '{}', expected albedo, normal, depth, variance or alpha", name);
 }
 
 std::vector<ImageLayer> renderAovs(const Scene& scene, const std::vector<Aov>& wanted) {
     const auto isWanted = [&](Aov aov) {
         return std::find(wanted.begin(), wanted.end(), aov) != wanted.end();
     };
-    const bool albedo = isWanted(Aov::Albedo), normal = isWanted(Aov::Normal), depth = isWanted(Aov::Depth);
-    if (!albedo && !normal && !depth) return {};
+    const bool albedo = isWanted(Aov::Albedo), normal = isWanted(Aov::Normal), depth = isWanted(Aov::Depth),
+               alpha = isWanted(Aov::Alpha);
+    if (!albedo && !normal && !depth && !alpha) return {};
 
     const FilmWindow& window = scene.camera().window();
     const auto count = static_cast<size_t>(window.pixelCount()), width = static_cast<size_t>(window.width);
     ImageLayer albedoLayer{"albedo", {"R", "G", "B"}, std::vector<float>(3 * count)};
     ImageLayer normalLayer{"normal", {"X", "Y", "Z"}, std::vector<float>(3 * count)};
     ImageLayer depthLayer{"depth", {"Z"}, std::vector<float>(count)};
+    ImageLayer alphaLayer{kAlphaLayer, {"A"}, std::vector<float>(count)};
     parallelFor(static_cast<size_t>(window.height), [&](size_t y) {
         for (size_t x = 0; x < width; ++x) {
             const PixelAovs pixel =
@@ -74,12 +79,14 @@ std::vector<ImageLayer> renderAovs(const Scene& scene, const std::vector<Aov>& w
                 normalLayer.pixels[3 * i + c] = pixel.normal[static_cast<int>(c)];
             }
             depthLayer.pixels[i] = pixel.depth;
+            alphaLayer.pixels[i] = pixel.alpha;
         }
     });
     std::vector<ImageLayer> layers;
     if (albedo) layers.push_back(std::move(albedoLayer));
     if (normal) layers.push_back(std::move(normalLayer));
     if (depth) layers.push_back(std::move(depthLayer));
+    if (alpha) layers.push_back(std::move(alphaLayer));
     return layers;
 }
 

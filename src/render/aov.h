@@ -10,17 +10,19 @@ namespace metrolux::core {
 
 /// What can be written beside the image, as layers of an EXR.
 enum class Aov {
-    Albedo,   ///< R, G, B: Bsdf::albedo of the first surface
-    Normal,   ///< X, Y, Z: its shading normal in world space, not turned toward the camera
-    Depth,    ///< Z: distance along the camera ray in scene units, mean over the rays that hit something
-    Variance  ///< Y: variance of the mean of the luminance (Film::variance)
+    Albedo,    ///< R, G, B: Bsdf::albedo of the first surface
+    Normal,    ///< X, Y, Z: its shading normal in world space, not turned toward the camera
+    Depth,     ///< Z: distance along the camera ray in scene units, mean over the rays that hit something
+    Variance,  ///< Y: variance of the mean of the luminance (Film::variance)
+    Alpha      ///< A of the image itself: share of the rays that hit something; colors are not divided by it
 };
 
-/// "albedo", "normal", "depth", "variance". Throws Error for another name.
+/// "albedo", "normal", "depth", "variance", "alpha". Throws Error for another name.
 Aov aovFromName(const std::string& name);
 
-/// Layers for albedo, normal and depth of those that are wanted, from kAovSamples jittered rays in the square
-/// of each pixel of the camera's window (no reconstruction filter). Where nothing is hit, they are zero.
+/// Layers for albedo, normal, depth and alpha of those that are wanted, from kAovSamples jittered rays in the
+/// square of each pixel of the camera's window (no reconstruction filter). Where nothing is hit, they are
+/// zero.
 std::vector<ImageLayer> renderAovs(const Scene& scene, const std::vector<Aov>& wanted);
 inline constexpr int kAovSamples = 16;
 

@@ -1,6 +1,7 @@
 #include "render/checkpoint.h"
 
 #include "base/error.h"
+#include "base/printable.h"
 #include "base/state_archive.h"
 #include "image/atomic_file.h"
 #include "image/exact_sum.h"
@@ -9,6 +10,8 @@
 
 #include <cmath>
 #include <fstream>
+#include <sys/stat.h>
+#include <time.h>
 #include <zlib.h>
 
 namespace metrolux::core {
@@ -85,6 +88,10 @@ void checkIdentity(const std::string& text) {
     checkState(find("/algorithm/integrator").is_string(), "the integrator's name");
     checkState(find("/algorithm/seed").is_number_integer(), "a seed");
     const nlohmann::json slices = find(std::string("/") + kSliceCountKey);
+    const nlohmann::json exponent = find(std::string("/") + kEmissionExponentKey);
+    checkState(
+        exponent.is_null() || (exponent.is_number_integer() && std::abs(exponent.get<int64_t>()) < 512),
+        "an exponent of the emission");
     checkState(slices.is_number_unsigned() && slices >= 1u && slices <= kMostSlices, "a number of slices");
 }
 
@@ -183,12 +190,31 @@ Checkpoint readCheckpoint(const fs::path& file, const std::string& version) {
     }
 }
 
-nlohmann::json fingerprints(const std::vector<fs::path>& files) {
+FileStamp stampOf(const fs::path& file) {
+    struct stat status {};
+    if (::stat(file.c_str(), &status) != 0) return {};
+    return {status.st_dev, status.st_ino, static_cast<uint64_t>(status.st_size),
+            int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec};
+}
+
+int64_t fileClock() {
+    timespec now{};
+    ::clock_gettime(CLOCK_REALTIME_COARSE, &now);
+    return int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+nlohmann::json fingerprints(const std::vector<fs::path>& files, const std::vector<FileStamp>& stamps) {
     nlohmann::json result = nlohmann::json::object();
     if (files.empty()) return result;
     const fs::path folder = fs::absolute(files.front()).parent_path();
-    for (const fs::path& file : files)
-        result[fs::absolute(file).lexically_relative(folder).generic_string()] = fileFingerprint(file);
+    for (size_t i = 0; i < files.size(); ++i) {
+        const std::string sum = fileFingerprint(files[i]);
+        if (stamps[i].modified == 0 || stampOf(files[i]) != stamps[i])
+            throw Error(
+                "{}: has changed since it was read: a checkpoint would name a scene that was not rendered",
+                files[i].string());
+        result[validUtf8(fs::absolute(files[i]).lexically_relative(folder).generic_string())] = sum;
+    }
     return result;
 }
 
@@ -205,6 +231,16 @@ std::vector<std::string> differences(const nlohmann::json& found, const nlohmann
         if (!a.contains(key))
             result.push_back(fmt::format("{}: found nothing, expected {}", key, value.dump()));
     return result;
+}
+
+std::vector<std::string> buildDifferences(nlohmann::json& found, nlohmann::json& expected) {
+    const auto take = [](nlohmann::json& identity) {
+        nlohmann::json build = identity.value(kBuildKey, nlohmann::json::object());
+        identity.erase(kBuildKey);
+        return build;
+    };
+    const nlohmann::json a = take(found), b = take(expected);
+    return differences(a, b);
 }
 
 }  // namespace metrolux::core

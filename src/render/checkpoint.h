@@ -51,9 +51,24 @@ std::string checkpointHeader(std::string_view payload);
 /// FILE.1.
 std::filesystem::path previousCheckpoint(const std::filesystem::path& file);
 
-/// Size and checksum of each file, by its name relative to the folder of the first one.
-nlohmann::json fingerprints(const std::vector<std::filesystem::path>& files);
+/// Size and checksum of each file, by its name relative to the folder of the first one. `stamps`: of the
+/// files as they were read, without a time where one changed meanwhile. Throws Error for a file that is not
+/// that one any more: it would name a scene that was not rendered. What tells that a file is the one that it
+/// was, without reading it again.
+struct FileStamp {
+    uint64_t device = 0, inode = 0, size = 0;
+    int64_t modified = 0;  ///< nanoseconds; 0: the file is not there
+    bool operator==(const FileStamp&) const = default;
+};
+FileStamp stampOf(const std::filesystem::path& file);
+/// Now, by the clock that the system stamps files with.
+int64_t fileClock();
+
+nlohmann::json fingerprints(const std::vector<std::filesystem::path>& files,
+                            const std::vector<FileStamp>& stamps);
 /// What differs between two identities, one line for each difference; empty if they are the same.
 std::vector<std::string> differences(const nlohmann::json& found, const nlohmann::json& expected);
+/// Takes the builds (kBuildKey) out of two identities and tells how they differ.
+std::vector<std::string> buildDifferences(nlohmann::json& found, nlohmann::json& expected);
 
 }  // namespace metrolux::core

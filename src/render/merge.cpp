@@ -6,19 +6,22 @@
 namespace metrolux::core {
 
 void PartMerger::add(const std::string& name, const Checkpoint& part) {
-    const nlohmann::json identity = nlohmann::json::parse(part.identity);
+    nlohmann::json identity = nlohmann::json::parse(part.identity);
     const ReconstructionFilter unused(ReconstructionFilter::Kind::Box, {});  // nothing is rendered
     if (!film_) {
         firstName_ = name;
         identity_ = identity;
-        film_ = std::make_unique<Film>(part.window, unused);
+        exponent_ = identity.value(kEmissionExponentKey, 0);
+        film_ = std::make_unique<Film>(part.window, unused, exponent_);
     }
-    const auto different = differences(identity, identity_);
+    nlohmann::json first = identity_;
+    hasOtherBuilds_ |= !buildDifferences(identity, first).empty();
+    const auto different = differences(identity, first);
     if (!different.empty())
         throw Error("'{}' does not belong to the rendering of '{}':\n  {}", name, firstName_,
                     fmt::join(different, "\n  "));
     addSlices(name, part);
-    Film film(part.window, unused);
+    Film film(part.window, unused, exponent_);
     try {
         StateReader reader(part.film);
         film.loadState(reader);
@@ -29,9 +32,7 @@ void PartMerger::add(const std::string& name, const Checkpoint& part) {
     film_->add(film);
     nonFinite_ += part.nonFinite;
     seconds_ += part.seconds;
-    rays_.intersectRays += part.rays.intersectRays;
-    rays_.shadowRays += part.rays.shadowRays;
-    rays_.secondsInEmbree += part.rays.secondsInEmbree;
+    rays_ += part.rays;
 }
 
 void PartMerger::addSlices(const std::string& name, const Checkpoint& part) {

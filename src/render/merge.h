@@ -22,6 +22,8 @@ class PartMerger {
     double seconds() const { return seconds_; }  ///< of all parts
     const RayStatistics& rays() const { return rays_; }
     const TechniqueCounts& nonFinite() const { return nonFinite_; }
+    /// Whether parts come from different builds, which could differ in last bits.
+    bool hasOtherBuilds() const { return hasOtherBuilds_; }
     /// Passes of each slice.
     const std::map<uint32_t, uint32_t>& passes() const { return passes_; }
     /// Slices that no part has.
@@ -32,6 +34,8 @@ class PartMerger {
     std::string firstName_;
     nlohmann::json identity_;
     std::unique_ptr<Film> film_;
+    int exponent_ = 0;
+    bool hasOtherBuilds_ = false;
     double seconds_ = 0;
     RayStatistics rays_;
     TechniqueCounts nonFinite_{};

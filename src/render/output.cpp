@@ -65,6 +65,11 @@ fs::path writeBesideOthers(const fs::path& folder, const std::string& name, cons
 
 }  // namespace
 
+ImagePlace placeOf(const FilmWindow& w) {
+    if (w.width == w.fullWidth && w.height == w.fullHeight) return {};
+    return {w.x, w.y, w.fullWidth, w.fullHeight};
+}
+
 void checkDistinct(std::span<const NamedOutput> outputs, std::span<const fs::path> inputs) {
     for (size_t i = 0; i < outputs.size(); ++i) {
         // An input is there, so an output that is the same file is there too.

@@ -1,4 +1,5 @@
 #pragma once
+#include "image/film_window.h"
 #include "image/image_io.h"
 
 #include <filesystem>
@@ -14,6 +15,9 @@ struct RenderedFrame {
     std::vector<ImageLayer> layers;
     Metadata metadata;
 };
+
+/// The place of a window; none for the whole image.
+ImagePlace placeOf(const FilmWindow& window);
 
 /// A file that is to be written, with the words of the user that name it ("output 'a.exr'").
 struct NamedOutput {

@@ -43,6 +43,8 @@ const char* stopReasonName(StopReason reason) {
             return "error";
         case StopReason::Interrupted:
             return "interrupted";
+        case StopReason::Full:
+            return "full";
     }
     return "unknown";
 }
@@ -60,6 +62,7 @@ StopReason renderPasses(Integrator& integrator, Film& film, const RenderLimits& 
     if (film.passes() > 0)
         if (const auto reason = reached(limits, report())) return *reason;
     while (true) {
+        if (film.passes() >= Film::kMostPasses) return StopReason::Full;
         if (hooks.interrupted && hooks.interrupted()) return StopReason::Interrupted;
         integrator.renderPass(film, film.passes());
         const PassReport now = report();

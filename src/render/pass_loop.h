@@ -15,7 +15,8 @@ struct RenderLimits {
     bool any() const { return seconds > 0 || passes > 0 || relativeError > 0; }
 };
 
-enum class StopReason { Time, Passes, Error, Interrupted };
+/// Full: the film takes no more than Film::kMostPasses.
+enum class StopReason { Time, Passes, Error, Interrupted, Full };
 const char* stopReasonName(StopReason reason);
 
 /// What is known after a pass.

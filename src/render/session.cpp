@@ -3,10 +3,12 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/memory_budget.h"
+#include "base/printable.h"
 #include "base/state_archive.h"
 #include "geometry/intersector.h"
 #include "image/atomic_file.h"
 #include "integrators/iteration.h"
+#include "render/build_id.h"
 
 #include <tbb/task_arena.h>
 
@@ -15,6 +17,16 @@ namespace {
 
 nlohmann::json numberOrNull(double value) {
     return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
+}
+
+/// Of points in the coordinates of the file; the matrix is for those around an origin of the scene's own.
+Matrix fromFile(Matrix m, const Vec3d& origin) {
+    for (size_t c = 0; c < 4; ++c) {
+        double shift = 0;
+        for (size_t i = 0; i < 3; ++i) shift += origin[static_cast<int>(i)] * double(m[4 * i + c]);
+        m[12 + c] = static_cast<float>(double(m[12 + c]) - shift);
+    }
+    return m;
 }
 
 /// The integrators of slices. What the scene is probed for is found once.
@@ -68,29 +80,43 @@ RenderSession::RenderSession(std::shared_ptr<const Scene> scene, SessionOptions 
       film_(makeFilm(*scene_)),
       integrator_(std::move(make), options_.slices) {}
 
-nlohmann::json RenderSession::identity() const {
-    if (!sceneIdentity_) sceneIdentity_ = options_.scene ? options_.scene() : nlohmann::json();
+nlohmann::json RenderSession::algorithmIdentity() const {
     const CommonOptions& o = options_.common;
-    const FilmWindow& w = scene_->camera().window();
-    const nlohmann::json algorithm{{"integrator", options_.integrator},
-                                   {"parameters", parameters_},
-                                   {"seed", o.seed},
-                                   {"max_depth", o.limits.maxDepth},
-                                   {"roulette_depth", o.limits.rouletteDepth},
-                                   {"hide_emitters", o.limits.hideEmitters},
-                                   {"iterations_per_pass", PixelPartition(w, o).parts()}};
-    return {{"version", options_.version},
-            {"scene", *sceneIdentity_},
-            {"window", {w.x, w.y, w.width, w.height}},
-            {"image", {w.fullWidth, w.fullHeight}},
-            {"algorithm", algorithm},
-            {kSliceCountKey, options_.slices.count}};
+    return {{"integrator", options_.integrator},
+            {"parameters", parameters_},
+            {"seed", o.seed},
+            {"max_depth", o.limits.maxDepth},
+            {"roulette_depth", o.limits.rouletteDepth},
+            {"hide_emitters", o.limits.hideEmitters},
+            {"iterations_per_pass", PixelPartition(scene_->camera().window(), o).parts()}};
 }
 
-void RenderSession::restore(Checkpoint checkpoint) {
-    const auto different = differences(identity(), nlohmann::json::parse(checkpoint.identity));
+nlohmann::json RenderSession::identity() const {
+    if (!sceneIdentity_) sceneIdentity_ = options_.scene ? options_.scene() : nlohmann::json();
+    const FilmWindow& w = scene_->camera().window();
+    nlohmann::json identity{{"version", options_.version},
+                            {"scene", *sceneIdentity_},
+                            {"window", {w.x, w.y, w.width, w.height}},
+                            {"image", {w.fullWidth, w.fullHeight}},
+                            {"algorithm", algorithmIdentity()},
+                            {kSliceCountKey, options_.slices.count},
+                            {kBuildKey, buildIdentity(scene_->intersector())}};
+    if (const int exponent = scene_->emissionExponent(); exponent != 0)
+        identity[kEmissionExponentKey] = exponent;
+    return identity;
+}
+
+void RenderSession::restore(Checkpoint checkpoint, bool otherBuild) {
+    nlohmann::json own = identity(), saved = nlohmann::json::parse(checkpoint.identity);
+    const auto builds = buildDifferences(own, saved), different = differences(own, saved);
     if (!different.empty())
         throw Error("the checkpoint belongs to another rendering:\n  {}", fmt::join(different, "\n  "));
+    if (!builds.empty() && !otherBuild)
+        throw Error(
+            "the checkpoint was written by another build of this version:\n  {}\nThe passes to come could "
+            "differ from its own in last bits, which an image that must be repeatable does not allow. "
+            "`metrolux resume --other-build` goes on all the same",
+            fmt::join(builds, "\n  "));
     secondsBefore_ = checkpoint.seconds;
     integrator_.restore(std::move(checkpoint.slices));
     if (options_.rank > 0) return;  // rank 0 brings what was rendered before
@@ -125,8 +151,13 @@ RenderSession::Run RenderSession::begin(const RunOptions& options, const RunHook
                       options.overwrite),
             secondsBefore_ + options.saveEvery,
             secondsBefore_ + options.checkpoint.every,
+            {},
             {}};
     if (writes) {
+        for (const std::filesystem::path& output : options.outputs)
+            run.locks.emplace_back(fmt::format("output '{}'", output.string()), output);
+        if (const std::filesystem::path& file = options.checkpoint.file; !file.empty())
+            run.locks.emplace_back(fmt::format("checkpoint '{}'", file.string()), file);
         if (!options.checkpoint.file.empty()) checkWritable(options.checkpoint.file);
         if (!options.outputs.empty()) cameraLayers();
         if (!options.checkpoint.file.empty()) removeLeftovers(options.checkpoint.file);
@@ -259,14 +290,14 @@ RayStatistics RenderSession::rays() const {
 RenderedFrame RenderSession::frame(const Snapshot& now) {
     RenderedFrame frame;
     const PassReport& report = now.report;
-    frame.image = {now.film.width(), now.film.height(), 3, now.film.image()};
+    frame.image = {now.film.width(), now.film.height(), 3, now.film.image(), placeOf(now.film.window())};
     frame.layers = cameraLayers();
     for (Aov aov : options_.aovs)
         if (aov == Aov::Variance) frame.layers.push_back(varianceLayer(now.film));
     const FilmWindow& w = now.film.window();
     frame.metadata = {
         {"Software", "Metrolux " + options_.version},
-        {"metrolux:scene", scene_->parts().source},
+        {"metrolux:scene", validUtf8(scene_->parts().source)},
         {"metrolux:integrator", options_.integrator},
         {"metrolux:passes", static_cast<int>(report.passes)},
         {"metrolux:seconds", report.seconds},
@@ -274,6 +305,12 @@ RenderedFrame RenderSession::frame(const Snapshot& now) {
         {"metrolux:window",
          fmt::format("{}x{} at {},{} of {}x{}", w.width, w.height, w.x, w.y, w.fullWidth, w.fullHeight)},
     };
+    frame.metadata.emplace_back("metrolux:options", algorithmIdentity().dump());
+    if (const auto matrices = scene_->camera().matrices()) {
+        frame.metadata.emplace_back("worldToCamera",
+                                    fromFile(matrices->worldToCamera, scene_->parts().origin));
+        frame.metadata.emplace_back("worldToNDC", fromFile(matrices->worldToNdc, scene_->parts().origin));
+    }
     if (std::isfinite(report.relativeError))
         frame.metadata.emplace_back("metrolux:relativeError", report.relativeError);
     return frame;
@@ -293,7 +330,7 @@ nlohmann::json RenderSession::statistics(const Snapshot& now, std::optional<Stop
     const FilmWindow& w = film_.window();
     return {
         {"version", options_.version},
-        {"scene", scene_->parts().source},
+        {"scene", validUtf8(scene_->parts().source)},
         {"integrator", options_.integrator},
         {"parameters", parameters_},
         {"seed", options_.common.seed},
@@ -312,6 +349,8 @@ nlohmann::json RenderSession::statistics(const Snapshot& now, std::optional<Stop
           {"share_of_time", seconds > 0 ? traced.secondsInEmbree / (seconds * threads) : 0.0}}},
         {"peak_memory_bytes", peakMemoryBytes()},
         {"non_finite", toJson(now.nonFinite)},
+        {"emission_exponent", scene_->emissionExponent()},
+        {"beyond_single_precision", now.film.beyondFloat()},
         {"integrator_statistics", integrator_.statistics()},
     };
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// Renders a scene from the first pass to the files on disk, or pass by pass.
 
+#include "image/file_lock.h"
 #include "integrators/scene_choice.h"
 #include "render/aov.h"
 #include "render/checkpoint.h"
@@ -90,8 +91,11 @@ class RenderSession {
 
     /// What the image depends on, scene files and options: Checkpoint::identity.
     nlohmann::json identity() const;
+    /// The part of it that names the algorithm.
+    nlohmann::json algorithmIdentity() const;
     /// Before the first pass: goes on from a checkpoint. Throws Error when it is one of another rendering.
-    void restore(Checkpoint checkpoint);
+    /// `otherBuild`: of another build too, whose last bits could differ.
+    void restore(Checkpoint checkpoint, bool otherBuild = false);
     /// The state between two passes. `options` name what a later process needs to know.
     Checkpoint checkpoint(const RunOptions& options) const;
 
@@ -131,6 +135,7 @@ class RenderSession {
         OutputSet outputs;
         double nextSave, nextCheckpoint;
         std::string checkpointFailure;
+        std::vector<FileLock> locks;
         void warn(const std::string& message) const {
             if (hooks.warn) hooks.warn(message);
         }

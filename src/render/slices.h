@@ -16,6 +16,10 @@ inline constexpr uint32_t kMostSlices = 1 << 20;
 
 /// The number of slices in the identity of a checkpoint: the name that the format has for it.
 inline constexpr const char* kSliceCountKey = "streams";
+/// buildIdentity(), of a checkpoint.
+inline constexpr const char* kBuildKey = "build";
+/// Film::exponent(), there unless it is 0.
+inline constexpr const char* kEmissionExponentKey = "emission_exponent";
 
 /// Pass p of a rendering belongs to slice p mod `count`. Of these, a process may render `first` ... `last`.
 struct SliceChoice {

@@ -6,6 +6,10 @@
 
 namespace metrolux::core {
 
+/// Throws Error when the system does not give so many threads, memory or their number being limited. TBB,
+/// which starts them when there is work, would end the process.
+void requireThreads(int count);
+
 /// Limits how many threads work while it lives, Embree's building of its tree included.
 class ThreadLimit {
   public:

@@ -4,6 +4,7 @@
 #include "scene/light_selector.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace metrolux::core {
 
@@ -23,10 +24,12 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     }
     findBounds();
     for (const LightPtr& light : parts_.lights) light->setSceneBounds(bounds_);
+    findBrightness();
     chooseLights();
 }
 
-Scene::Scene(const Scene& other, SceneView view) : parts_(other.parts_), intersector_(other.intersector_) {
+Scene::Scene(const Scene& other, SceneView view)
+    : parts_(other.parts_), intersector_(other.intersector_), emissionExponent_(other.emissionExponent_) {
     parts_.camera = std::move(view.camera);
     parts_.limits = view.limits;
     parts_.filterKind = view.filterKind;
@@ -60,6 +63,50 @@ void Scene::findBounds() {
     }
     bounds_.center = (lower + upper) * 0.5f;
     bounds_.radius = std::max((upper - lower).length() * 0.5f, 1e-6f) * 1.001f;
+}
+
+namespace {
+
+/// A radiance: that of a constant environment, or what an environment would have that sends as much power to
+/// the shapes. The camera's place makes no difference, so that views of a scene agree.
+double brightness(const std::vector<LightPtr>& lights, double radiusWithCamera, const Intersector& shapes) {
+    Vec3f lower, upper;
+    shapes.bounds(lower, upper);
+    const double radius = 0.5 * double((upper - lower).length());
+    const auto etendue = [](double r) { return 4 * sqr(std::numbers::pi * r); };
+    double sum = 0;
+    for (const LightPtr& light : lights)
+        sum += double(light->power()) / etendue(light->isInfinite() ? radiusWithCamera
+                                                : radius > 0        ? radius
+                                                                    : 1.0);
+    return sum;
+}
+
+}  // namespace
+
+/// The lights know the bounds.
+void Scene::findBrightness() {
+    constexpr int kOrdinary = 20, kFar = 96;
+    const std::vector<LightPtr>& lights = parts_.lights;
+    if (lights.empty()) return;
+    // Lights that another scene shares keep what it has given them.
+    emissionExponent_ = lights.front()->emissionExponent();
+    if (emissionExponent_ != 0) return;
+    const auto brightnessAt = [&](int exponent) {
+        for (const LightPtr& light : lights) light->setEmissionExponent(exponent);
+        return brightness(lights, bounds_.radius, *intersector_);
+    };
+    // Where powers leave the range of single precision, they are looked at from the other end of it.
+    int exponent = 0;
+    double b = brightnessAt(0);
+    if (!std::isfinite(b))
+        b = brightnessAt(exponent = kFar);
+    else if (b < 0x1p-64)
+        b = brightnessAt(exponent = -kFar);
+    if (b > 0 && std::isfinite(b)) exponent += std::ilogb(b);
+    if (!(b > 0) || !std::isfinite(b) || std::abs(exponent) <= kOrdinary) exponent = 0;
+    brightnessAt(exponent);
+    emissionExponent_ = exponent;
 }
 
 /// The lights know the bounds.

@@ -90,6 +90,11 @@ class Scene {
     const Light* environment() const { return environment_; }
     const SceneParts& parts() const { return parts_; }
     const SceneBounds& bounds() const { return bounds_; }
+    /// The lights of the scene emit 2^exponent times what they say, and images have to be multiplied by as
+    /// much. 0 for ordinary scenes. A scene that is far brighter or darker is rendered at ordinary
+    /// brightness: single precision and the fixed-point sums of the film hold it then, and emission times 2^k
+    /// gives the image times 2^k to the bit.
+    int emissionExponent() const { return emissionExponent_; }
 
     struct LightChoice {
         const Light* light = nullptr;
@@ -105,11 +110,13 @@ class Scene {
 
   private:
     void findBounds();
+    void findBrightness();
     void chooseLights();
 
     SceneParts parts_;
     std::shared_ptr<const Intersector> intersector_;
     SceneBounds bounds_;
+    int emissionExponent_ = 0;
     const Light* environment_ = nullptr;
     DiscreteDistribution emission_;
     std::shared_ptr<const LightSelector> connection_;

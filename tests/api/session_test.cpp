@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <thread>
 
 namespace metrolux::core::test {
@@ -215,6 +216,28 @@ TEST_F(ApiSession, NoOutputReplacesWhatIsRead) {
     files.images = {part};
     files.overwrite = true;
     EXPECT_THAT(errorOf([&] { metrolux::merge({part}, files); }), HasSubstr("would replace"));
+}
+
+/// A checkpoint names the files from which the scene was made, not those that have their names by now.
+TEST_F(ApiSession, FilesThatHaveChangedSinceTheyWereReadAreInNoCheckpoint) {
+    folder.write("scene.xml", core::test::kBallXml);
+    folder.write("floor.ply", core::test::kFloorPly);
+    const fs::path file = folder.path() / "scene.xml", saved = folder.path() / "saved";
+    const auto saving = [&](const metrolux::Scene& made) {
+        metrolux::Session session(made, options);
+        session.step();
+        return errorOf([&] { session.save(saved); });
+    };
+    const std::string nothing = errorOf([] {});
+    // Later than the clock, as from an archive or another machine: that is no sign of a change.
+    fs::last_write_time(file, fs::file_time_type::clock::now() + std::chrono::hours(5));
+    const metrolux::Scene loaded = metrolux::Scene::load(file);
+    EXPECT_EQ(saving(loaded), nothing);
+    folder.write("floor.ply", std::string(core::test::kFloorPly) + "\n");
+    EXPECT_THAT(saving(loaded), HasSubstr("floor.ply: has changed since it was read"));
+    EXPECT_EQ(saving(metrolux::Scene::load(file)), nothing);
+    fs::remove(folder.path() / "floor.ply");
+    EXPECT_NE(saving(loaded), nothing);
 }
 
 TEST_F(ApiSession, SlicesThatAreMergedAreOneRendering) {

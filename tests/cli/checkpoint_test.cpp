@@ -133,6 +133,27 @@ TEST_F(CheckpointTest, EveryPassCanBeTheLast) {
     }
 }
 
+/// Another compiler or processor might round differently: the image would be neither's.
+TEST_F(CheckpointTest, AnotherBuildIsRefusedUnlessAskedFor) {
+    makeCheckpoint();
+    Checkpoint checkpoint = readCheckpoint(folder / "c", METROLUX_TEST_VERSION);
+    nlohmann::json identity = nlohmann::json::parse(checkpoint.identity);
+    ASSERT_TRUE(identity["build"].contains("compiler"));
+    identity["build"]["compiler"] = "GCC 99";
+    identity["build"]["rays_in_a_packet"] = 2;
+    checkpoint.identity = identity.dump();
+    writeCheckpoint(folder / "c", checkpoint);
+    const Outcome refused = run({"resume", "c", "--passes", "6"});
+    EXPECT_EQ(refused.status, 2);
+    for (const char* text : {"written by another build", "/compiler: found", "expected \"GCC 99\"",
+                             "/rays_in_a_packet", "--other-build"})
+        EXPECT_THAT(refused.err, HasSubstr(text));
+    const Outcome allowed = run({"resume", "c", "--passes", "6", "--other-build"});
+    EXPECT_EQ(allowed.status, 0) << allowed.err;
+    const Outcome own = run({"resume", "c", "--passes", "8"});
+    EXPECT_EQ(own.status, 0) << "what it has written is its own: " << own.err;
+}
+
 TEST_F(CheckpointTest, TheLastTwoAreKept) {
     makeCheckpoint();
     for (const auto& [file, passes] : {std::pair{"c", 4u}, {"c.1", 4u}})

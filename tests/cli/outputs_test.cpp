@@ -149,6 +149,27 @@ TEST_F(OutputsTest, ARescuedImageReplacesNothing) {
     EXPECT_EQ(readImage(folder / "metrolux-rescue-1-a.exr", false).width, 24);
 }
 
+TEST_F(OutputsTest, ASecondProcessWithTheSameFilesIsTold) {
+    const auto words = [](const char* image, const char* checkpoint) {
+        return Words{"render", "scene.xml", "-i",  "path",         "--passes",
+                     "2",      "-o",        image, "--checkpoint", checkpoint};
+    };
+    Command first(folder, {"render", "scene.xml", "-i", "path", "--time", "60s", "-o", "a.exr",
+                           "--checkpoint", "c", "--checkpoint-every", "0.01s"});
+    ASSERT_TRUE(waitFor("c"));
+    const Outcome sameImage = run(words("a.exr", "d"));
+    EXPECT_EQ(sameImage.status, 2);
+    EXPECT_THAT(sameImage.err, HasSubstr("output 'a.exr' is being written by another process (process " +
+                                         std::to_string(first.pid()) + ")"));
+    const Outcome sameCheckpoint = run(words("b.exr", "c"));
+    EXPECT_EQ(sameCheckpoint.status, 2);
+    EXPECT_THAT(sameCheckpoint.err, HasSubstr("checkpoint 'c' is being written by another process"));
+    EXPECT_EQ(run(words("b.exr", "d")).status, 0);
+    first.signal(SIGKILL);
+    first.wait();
+    EXPECT_EQ(run(words("a.exr", "c")).status, 0) << "the system has freed the locks";
+}
+
 TEST_F(OutputsTest, APipeThatNobodyReadsEndsNothing) {
     // Messages go to a pipe whose reader is gone after the first line.
     const std::string command =

@@ -98,30 +98,65 @@ TEST_F(CliTest, ThreadsDoNotChangeTheImageOfAnyIntegrator) {
 
 /// Light so strong that its contributions overflow: left out, counted by technique, and said.
 TEST_F(CliTest, ContributionsThatAreNotFiniteAreReported) {
-    write("bright.xml", R"(<scene version="3.0.0"><sensor type="perspective"><film type="hdrfilm">
-<integer name="width" value="8"/><integer name="height" value="8"/></film>
+    // The lamp fills the image and is brighter than everything else by more than a sum can hold.
+    write("bright.xml", R"(<scene version="3.0.0"><sensor type="perspective">
+<film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film>
+<float name="fov" value="1e-5"/>
 <transform name="to_world"><lookat origin="0 0 -4" target="0 0 0" up="0 1 0"/></transform></sensor>
-<shape type="sphere"><float name="radius" value="0.5"/></shape>
-<emitter type="point"><point name="position" x="0" y="0" z="-0.501"/>
-<rgb name="intensity" value="1e37 1e37 1e37"/></emitter></scene>)");
+<shape type="sphere"><float name="radius" value="1e-6"/>
+<emitter type="area"><rgb name="radiance" value="1e25 1e25 1e25"/></emitter></shape>
+<shape type="sphere"><point name="center" x="0" y="0" z="4"/></shape></scene>)");
     const Outcome outcome =
-        run({"render", "bright.xml", "-i", "bdpt", "--passes", "2", "-o", "a.exr", "--stats", "a.json"});
+        run({"render", "bright.xml", "-i", "path", "--passes", "2", "-o", "a.exr", "--stats", "a.json"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;
-    EXPECT_THAT(outcome.err, HasSubstr("contributions of the technique 'splat' were not finite"));
+    EXPECT_THAT(outcome.err, HasSubstr("contributions of the technique 'hit' were not finite"));
     std::ifstream stream(folder / "a.json");
     const nlohmann::json counts = nlohmann::json::parse(stream)["non_finite"];
-    EXPECT_GT(counts["splat"], 0);
-    EXPECT_EQ(counts["hit"], 0) << "nothing is hit: the light is a point";
+    EXPECT_GT(counts["hit"], 0);
+    EXPECT_EQ(counts["splat"], 0) << "a path tracer has no splats";
     for (const float value : readImage(folder / "a.exr", false).pixels) EXPECT_TRUE(std::isfinite(value));
 }
 
+TEST_F(CliTest, ScenesOfAnyFiniteBrightnessAreRendered) {
+    const std::string scene = R"(<scene version="3.0.0"><sensor type="perspective">
+<film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film>
+<transform name="to_world"><lookat origin="0 0 -4" target="0 0 0" up="0 1 0"/></transform></sensor>
+<shape type="sphere"/><emitter type="constant"><rgb name="radiance" value="$l $l $l"/></emitter></scene>)";
+    write("any.xml", scene);
+    std::vector<std::string> errors;
+    for (const char* radiance : {"1e-30", "1", "3e38", "2e-38"}) {
+        const Outcome outcome = run({"render", "any.xml", "-D", std::string("l=") + radiance, "--passes", "2",
+                                     "-o", "a.exr", "--stats", "a.json"});
+        ASSERT_EQ(outcome.status, 0) << outcome.err;
+        const nlohmann::json stats = nlohmann::json::parse(std::ifstream(folder / "a.json"));
+        for (const auto& [technique, count] : stats["non_finite"].items()) EXPECT_EQ(count, 0) << technique;
+        EXPECT_NEAR(readImage(folder / "a.exr", false).pixels[0] / std::stof(radiance), 1, 1e-6) << radiance;
+        errors.push_back(outcome.err);
+    }
+    for (const size_t ordinary : {0, 1}) EXPECT_THAT(errors[ordinary], Not(HasSubstr("single precision")));
+    EXPECT_THAT(errors[3], HasSubstr("values of the image are too large or too small for single precision"));
+}
+
 TEST_F(CliTest, LightsOfInfinitePowerAreRefused) {
-    write("infinite.xml", R"(<scene version="3.0.0"><sensor type="perspective"/><shape type="sphere"/>
-<emitter type="point"><rgb name="intensity" value="3e38 3e38 3e38"/></emitter></scene>)");
+    write("infinite.xml", R"(<scene version="3.0.0"><sensor type="perspective"/>
+<shape type="sphere"><float name="radius" value="1e18"/></shape>
+<emitter type="constant"><rgb name="radiance" value="3e38 3e38 3e38"/></emitter></scene>)");
     const Outcome outcome = run({"render", "infinite.xml", "--passes", "1"});
     EXPECT_EQ(outcome.status, 2);
     EXPECT_THAT(outcome.err, HasSubstr("infinite.xml: the power of light 1 of 1 is"));
 }
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+/// Sanitizers need more address space than this leaves.
+TEST_F(CliTest, ThreadsThatTheSystemDoesNotGiveEndWithAMessage) {
+    const Outcome outcome = Command(folder, {"render", "scene.xml", "--threads", "512", "--passes", "1"},
+                                    {"bash", "-c", "ulimit -v 1500000; exec \"$@\"", "bash"})
+                                .wait();
+    EXPECT_EQ(outcome.status, 2) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("of 512 threads"));
+    EXPECT_THAT(outcome.err, HasSubstr("--threads"));
+}
+#endif
 
 TEST_F(CliTest, SeedChangesTheNoise) {
     for (const char* seed : {"1", "2"})

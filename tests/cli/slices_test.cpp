@@ -22,7 +22,7 @@ class SlicesTest : public CliTest {
   protected:
     /// 22 passes in 8 slices: some have one more than others.
     static Words words(const std::string& integrator) {
-        return {"render",   "scene.xml", "-i",        integrator, "--resolution", "24x18",
+        return {"render",   "scene.xml", "-i",       integrator, "--resolution", "24x18",
                 "--passes", "22",        "--slices", "8",        "--seed",       "3"};
     }
     Outcome part(const std::string& integrator, const std::string& slices, const std::string& name) const {
@@ -70,8 +70,8 @@ TEST_F(SlicesTest, FourPartsEqualTheWhole) {
 
 TEST_F(SlicesTest, TheNamesOfTheOptionsBefore0_3StillWork) {
     const auto render = [&](const char* slices, const char* only, const char* name) {
-        return run({"render", "scene.xml", "-i", "path", "--passes", "4", slices, "2", only, "1", "--checkpoint",
-                    name});
+        return run({"render", "scene.xml", "-i", "path", "--passes", "4", slices, "2", only, "1",
+                    "--checkpoint", name});
     };
     ASSERT_EQ(render("--slices", "--only-slices", "new").status, 0);
     const Outcome old = render("--streams", "--only-streams", "old");
@@ -176,7 +176,7 @@ TEST_F(SlicesTest, RanksOfMpiMakeTheSameImage) {
 
 TEST_F(SlicesTest, ARankThatDiesEndsTheJobAndAnotherNumberOfRanksGoesOn) {
     if (!haveMpi()) GTEST_SKIP() << "built without MPI, or mpirun is not there";
-    const Words longer{"render",   "scene.xml", "-i",        "mcmc_vcm", "--resolution", "24x18",
+    const Words longer{"render",   "scene.xml", "-i",       "mcmc_vcm", "--resolution", "24x18",
                        "--passes", "600",       "--slices", "8",        "--threads",    "1"};
     ASSERT_EQ(run(longer + Words{"-o", "whole.exr"}).status, 0);
     const Words saving{"-o", "a.exr", "--checkpoint", "c", "--checkpoint-every", "0.05s"};

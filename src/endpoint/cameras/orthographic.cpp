@@ -56,6 +56,19 @@ class OrthographicCamera final : public Camera {
     bool isInfinite() const override { return true; }
     float pixelFootprint(float) const override { return std::sqrt(pixelArea_); }
     Vec3f position() const override { return toWorld_.point(Vec3f(0.0f)); }
+    std::optional<Matrices> matrices() const override {
+        const Vec3f origin = position();
+        const auto local = [&](int axis, float scale, float constant) {
+            Row row;
+            for (int i = 0; i < 3; ++i) row.axis[i] = static_cast<float>(toCamera_.at(axis, i)) * scale;
+            row.constant = constant - dot(row.axis, origin);
+            return row;
+        };
+        const float aspect = static_cast<float>(window_.fullWidth) / static_cast<float>(window_.fullHeight);
+        const Row one{Vec3f(0.0f), 1}, forward = local(2, 1, 0);
+        return Matrices{matrixOf(local(0, -1, 0), local(1, 1, 0), forward, one),
+                        matrixOf(local(0, -0.5f, 0.5f), local(1, -0.5f * aspect, 0.5f), forward, one)};
+    }
 
   private:
     float pdfPosition() const { return 1.0f / (pixelArea_ * static_cast<float>(window_.pixelCount())); }

@@ -74,6 +74,15 @@ class PerspectiveCamera final : public Camera {
 
     float pixelFootprint(float distance) const override { return pixelSide_ * distance; }
     Vec3f position() const override { return origin_; }
+    std::optional<Matrices> matrices() const override {
+        const auto row = [&](const Vec3f& axis) { return Row{axis, -dot(axis, origin_)}; };
+        const Row right = row(-x_), up = row(y_), forward = row(z_), one{Vec3f(0.0f), 1};
+        const float w = pixelSide_ * static_cast<float>(window_.fullWidth),
+                    h = pixelSide_ * static_cast<float>(window_.fullHeight);
+        return Matrices{matrixOf(right, up, forward, one),
+                        matrixOf(row(z_ * (0.5f - offset_.x) - x_ * (1 / w)),
+                                 row(z_ * (0.5f - offset_.y) - y_ * (1 / h)), forward, forward)};
+    }
     Vec3f projectionCenter(const Vec3f& origin, const Vec3f& direction) const override {
         return origin - direction * (nearClip_ / dot(direction, z_));
     }

@@ -3,6 +3,7 @@
 #include "base/warp.h"
 #include "endpoint/lights.h"
 #include "endpoint/lights/texture_table.h"
+#include "scattering/textures/scaled.h"
 
 namespace metrolux::core {
 
@@ -112,9 +113,8 @@ class AreaLight final : public Light {
     explicit AreaLight(const AreaLightParameters& p)
         : shape_(p.shape), radiance_(p.radiance), area_(p.shape->area()), front_(*p.shape) {
         if (!(area_ > 0)) throw Error("area light on shape '{}': the shape has no area", p.shape->id);
-        if (radiance_->isConstant()) return;
-        parallelogram_ = Parallelogram::fromShape(*shape_);
-        if (parallelogram_) table_ = luminanceTable(*radiance_);
+        if (!radiance_->isConstant()) parallelogram_ = Parallelogram::fromShape(*shape_);
+        makeTable();
     }
 
     float power() const override { return std::max(luminance(radiance_->mean()), 0.0f) * kPi * area_; }
@@ -177,7 +177,16 @@ class AreaLight final : public Light {
                                                  cosine * kInvPi, cosine);
     }
 
+  protected:
+    void scaleEmission(float factor) override {
+        radiance_ = makeScaledTexture({radiance_, Rgb(factor)});
+        makeTable();
+    }
+
   private:
+    void makeTable() {
+        if (parallelogram_) table_ = luminanceTable(*radiance_);
+    }
     ShapeSample sampleArea(const Vec2f& u) const {
         if (!parallelogram_) return shape_->sampleArea(u);
         float pdf = 0;

@@ -27,6 +27,9 @@ class CollimatedLight final : public Light {
         return std::nullopt;
     }
 
+  protected:
+    void scaleEmission(float factor) override { power_ *= factor; }
+
   private:
     Vec3f position_, direction_;
     Rgb power_;

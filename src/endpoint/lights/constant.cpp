@@ -39,6 +39,9 @@ class ConstantLight final : public InfiniteLight {
         return c;
     }
 
+  protected:
+    void scaleEmission(float factor) override { radiance_ *= factor; }
+
   private:
     Rgb radiance_;
 };

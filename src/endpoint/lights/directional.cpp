@@ -34,6 +34,9 @@ class DirectionalLight final : public InfiniteLight {
         return c;
     }
 
+  protected:
+    void scaleEmission(float factor) override { irradiance_ *= factor; }
+
   private:
     Vec3f direction_;
     Rgb irradiance_;

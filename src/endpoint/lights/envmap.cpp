@@ -65,6 +65,12 @@ class EnvironmentMap final : public InfiniteLight {
         return c;
     }
 
+  protected:
+    void scaleEmission(float factor) override {
+        for (Rgb& pixel : pixels_) pixel *= factor;
+        makeTable();
+    }
+
   private:
     static bool usable(float pdf) { return pdf > 0 && std::isfinite(pdf); }
     Vec3f toLocal(const Vec3f& w) const { return normalize(toLocal_.vector(w)); }

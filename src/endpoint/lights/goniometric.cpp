@@ -97,6 +97,9 @@ class GoniometricLight final : public Light {
         return c;
     }
 
+  protected:
+    void scaleEmission(float factor) override { scale_ *= factor; }
+
   private:
     /// Turns around the axis and from it, as fractions of 360 and 180 degrees.
     Vec2f toGrid(const Vec3f& w) const {

@@ -38,6 +38,9 @@ class PointLight final : public Light {
         return c;
     }
 
+  protected:
+    void scaleEmission(float factor) override { intensity_ *= factor; }
+
   private:
     Vec3f position_;
     Rgb intensity_;

@@ -69,6 +69,9 @@ class Projector final : public Light {
         return c;
     }
 
+  protected:
+    void scaleEmission(float factor) override { scale_ *= factor; }
+
   private:
     float planeArea() const { return 4 * halfWidth_ * halfHeight_; }
     float pdfDirection(const Vec3f& local, const Vec2f& uv) const {

@@ -69,6 +69,9 @@ class SpotLight final : public Light {
         return c;
     }
 
+  protected:
+    void scaleEmission(float factor) override { intensity_ *= factor; }
+
   private:
     Rgb intensity(const Vec3f& local) const {
         const float angle = std::atan2(std::sqrt(local.x * local.x + local.y * local.y), local.z);

@@ -107,6 +107,13 @@ class SunSky final : public InfiniteLight {
         return c;
     }
 
+  protected:
+    void scaleEmission(float factor) override {
+        for (Rgb& c : profile_) c *= factor;
+        if (sky_) sky_->setEmissionExponent(sky_->emissionExponent() - std::ilogb(factor));
+        measure();
+    }
+
   private:
     struct Sample {
         Vec3f w;

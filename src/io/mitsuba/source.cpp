@@ -34,31 +34,11 @@ std::string readText(const std::filesystem::path& file) {
     return text;
 }
 
-/// Offset of the first byte that is not valid UTF-8, or npos (RFC 3629, table of section 4).
+/// Offset of the first byte that is not valid UTF-8, or zero; npos without any.
 size_t firstInvalidUtf8(const std::string& text) {
-    const auto byte = [&](size_t i) { return static_cast<unsigned char>(i < text.size() ? text[i] : 0); };
     for (size_t i = 0; i < text.size();) {
-        const unsigned char lead = byte(i);
-        if (lead == 0) return i;
-        size_t length = 1;
-        unsigned char lower = 0x80, upper = 0xbf;
-        if (lead >= 0xc2 && lead <= 0xdf) {
-            length = 2;
-        } else if (lead >= 0xe0 && lead <= 0xef) {
-            length = 3;
-            if (lead == 0xe0) lower = 0xa0;
-            if (lead == 0xed) upper = 0x9f;
-        } else if (lead >= 0xf0 && lead <= 0xf4) {
-            length = 4;
-            if (lead == 0xf0) lower = 0x90;
-            if (lead == 0xf4) upper = 0x8f;
-        } else if (lead >= 0x80) {
-            return i;
-        }
-        for (size_t k = 1; k < length; ++k) {
-            if (byte(i + k) < lower || byte(i + k) > upper) return i;
-            lower = 0x80, upper = 0xbf;
-        }
+        const size_t length = text[i] == '\0' ? 0 : utf8Length(std::string_view(text).substr(i));
+        if (length == 0) return i;
         i += length;
     }
     return std::string::npos;

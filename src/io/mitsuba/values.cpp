@@ -177,6 +177,9 @@ SpectrumValue readSpectrumFile(const std::filesystem::path& file) {
                 spectrum.wavelengths.push_back(parseFloat(parts[0]));
                 spectrum.values.push_back(parseFloat(parts[1]));
             } catch (const Error& problem) {
+                // A file that does not begin as a spectrum may be any file of this machine.
+                if (spectrum.values.empty())
+                    throw Error("line {}: expected a wavelength and a value, two numbers", number);
                 throw Error("line {}: {}", number, problem.what());
             }
         }

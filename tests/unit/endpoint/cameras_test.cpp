@@ -91,6 +91,52 @@ void checkRoundTrip(const Camera& camera, uint64_t seed) {
     }
 }
 
+/// A row from the left times the matrix, made inhomogeneous.
+Vec3f projected(const std::array<float, 16>& m, const Vec3f& p) {
+    double r[4];
+    for (size_t c = 0; c < 4; ++c)
+        r[c] = double(p.x) * double(m[c]) + double(p.y) * double(m[4 + c]) + double(p.z) * double(m[8 + c]) +
+               double(m[12 + c]);
+    return {static_cast<float>(r[0] / r[3]), static_cast<float>(r[1] / r[3]),
+            static_cast<float>(r[2] / r[3])};
+}
+
+/// Points on rays through the middle of the lens are where OpenEXR's definitions of the matrices say.
+void checkMatrices(const Camera& camera) {
+    const Camera::Matrices matrices = camera.matrices().value();
+    const FilmWindow& w = camera.window();
+    CounterRng rng(3);
+    for (int i = 0; i < 100; ++i) {
+        const Vec2f raster = rasterIn(w, rng.next2D());
+        const auto ray = camera.sampleRay(Vec2f(0.5f), raster);
+        const Vec3f p = ray->origin + ray->direction * (1 + 10 * rng.next1D());
+        const Vec3f ndc = projected(matrices.worldToNdc, p);
+        EXPECT_NEAR(ndc.x, raster.x / static_cast<float>(w.fullWidth), 1e-5f);
+        EXPECT_NEAR(ndc.y, raster.y / static_cast<float>(w.fullHeight), 1e-5f);
+        // Rigid for cameras that do not scale; in front is positive, right and up are as in the image.
+        const Vec3f local = projected(matrices.worldToCamera, p);
+        EXPECT_GT(local.z, 0);
+        const auto moved = camera.sampleRay(Vec2f(0.5f), raster + Vec2f(5, 0));
+        const auto lower = camera.sampleRay(Vec2f(0.5f), raster + Vec2f(0, 5));
+        const auto at = [&](const EndpointRay& r) {
+            return projected(matrices.worldToCamera, r.origin + r.direction * 10.0f);
+        };
+        EXPECT_GT(at(*moved).x, at(*ray).x);
+        EXPECT_LT(at(*lower).y, at(*ray).y);
+    }
+}
+
+TEST(Camera, matricesAreThoseOfOpenExr) {
+    for (const CameraCase& c : perspectiveCases())
+        checkMatrices(*makePerspectiveCamera(c.parameters, c.window));
+    OrthographicParameters p;
+    p.toWorld =
+        Transform::lookAt({1, 2, 3}, {0.4f, -0.3f, 0.2f}, {0.1f, 1, 0.3f}) * Transform::scale({2, 3, 1});
+    for (const FilmWindow& window :
+         {FilmWindow{640, 360, 0, 0, 640, 360}, FilmWindow{640, 360, 100, 50, 200, 120}})
+        checkMatrices(*makeOrthographicCamera(p, window));
+}
+
 TEST(PerspectiveCamera, connectionsFindTheRastersOfRays) {
     uint64_t seed = 1;
     for (const CameraCase& c : perspectiveCases())

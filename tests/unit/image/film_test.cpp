@@ -84,6 +84,57 @@ TEST(Film, FaintLightIsNotLostBesideBrightLight) {
     EXPECT_EQ(sum.take(0)[0], 0);
 }
 
+/// As many as an image of 4096x4096 pixels has light subpaths, all in one pixel.
+TEST(FixedPointImage, NoSumWrapsHoweverManyTermsAPixelGets) {
+    constexpr int kTerms = 4096 * 4096, kWidth = 40;
+    constexpr size_t kPixel = 35;  // not in the first tile
+    FixedPointImage sums(kWidth, 2);
+    // The largest of each range, and the same below zero.
+    constexpr double kSizes[] = {FixedPointImage::kLargest, 0x1.fp11, 0x1.fp-13};
+    for (const double size : kSizes) {
+        const Rgb value(static_cast<float>(size), static_cast<float>(-size), 0);
+        for (int i = 0; i < kTerms; ++i) ASSERT_TRUE(sums.add(kPixel, value, 1));
+        sums.add(kPixel + kWidth, value, 1);
+        const std::array<double, 3> sum = sums.take(kPixel), beside = sums.take(kPixel + kWidth);
+        EXPECT_EQ(sum, (std::array<double, 3>{size * kTerms, -size * kTerms, 0}));
+        EXPECT_EQ(beside, (std::array<double, 3>{size, -size, 0}));
+        EXPECT_EQ(sums.take(kPixel), (std::array<double, 3>{}));
+    }
+    // Products take rows as vectors.
+    const float weight = 1;
+    for (int i = 0; i < kTerms; ++i)
+        ASSERT_TRUE(sums.addProduct(kPixel, 0, {&weight, 1}, {&weight, 1}, Rgb(0x1.fp11f), 1));
+    EXPECT_EQ(sums.take(kPixel)[0], 0x1.fp11 * kTerms);
+}
+
+TEST(Film, TheExponentIsThatOfImageAndVariance) {
+    const ReconstructionFilter box(Kind::Box, {});
+    Film plain(window(2, 1), box), scaled(window(2, 1), box, 50), tooBright(window(2, 1), box, 127),
+        tooDark(window(2, 1), box, -140);
+    for (Film* film : {&plain, &scaled, &tooBright, &tooDark})
+        for (const float y : {1.0f, 3.0f, 5.0f}) {
+            film->addEye(0, Rgb(y, 2 * y, 0));
+            film->endPass();
+        }
+    for (size_t i = 0; i < 6; ++i) EXPECT_EQ(scaled.image()[i], std::ldexp(plain.image()[i], 50));
+    for (size_t i = 0; i < 2; ++i) EXPECT_EQ(scaled.variance()[i], std::ldexp(plain.variance()[i], 100));
+    EXPECT_EQ(plain.beyondFloat() + scaled.beyondFloat(), 0u);
+    EXPECT_EQ(tooBright.beyondFloat(), 2u);
+    EXPECT_EQ(tooBright.image()[0], std::numeric_limits<float>::max());
+    EXPECT_EQ(tooDark.beyondFloat(), 2u);
+}
+
+TEST(Film, MorePassesThanItHasRoomForAreRefused) {
+    const ReconstructionFilter box(Kind::Box, {});
+    Film film(window(2, 1), box);
+    const std::vector<PixelSum> sums(2);
+    film.addSums(sums, Film::kMostPasses - 1);
+    film.endPass();
+    EXPECT_EQ(film.passes(), Film::kMostPasses);
+    EXPECT_THROW(film.addSums(sums, 1), Error);
+    EXPECT_THROW(film.endPass(), Error);
+}
+
 TEST(FixedPointImage, ProductsAreTheSumsOfTheirPixels) {
     // Over the borders of tiles, in all ranges and across their bounds, with negative weights and zeros.
     constexpr size_t kWidth = 70, kHeight = 41;

@@ -61,6 +61,12 @@ TEST_F(PassLoop, FirstLimitCounts) {
     EXPECT_EQ(renderPasses(integrator, film, {2, 1000, 0}, hooks), StopReason::Time);
 }
 
+TEST_F(PassLoop, EndsWhenTheFilmTakesNoMorePasses) {
+    film.addSums(std::vector<PixelSum>(16), Film::kMostPasses - 2);
+    EXPECT_EQ(renderPasses(integrator, film, {0, 0, 1e-9}, hooks), StopReason::Full);
+    EXPECT_EQ(reports.size(), 2u);
+}
+
 TEST_F(PassLoop, InterruptEndsThePassInProgress) {
     hooks.interrupted = [this] { return film.passes() >= 2; };
     EXPECT_EQ(renderPasses(integrator, film, {0, 100, 0}, hooks), StopReason::Interrupted);

@@ -160,10 +160,11 @@ void watchMemory() {
 }  // namespace
 }  // namespace metrolux::core::app
 
-int main(int argc, char** argv) {
+namespace {
+
+/// The exit status.
+int runAndReport(int argc, char** argv) {
     using namespace metrolux::core::app;
-    keepFreedMemory();
-    watchMemory();
     try {
         setUpLog();
         return runCommandLine(argc, argv);
@@ -177,4 +178,17 @@ int main(int argc, char** argv) {
         fmt::print(stderr, "metrolux: internal error: {}\n", metrolux::core::printableLines(error.what()));
         return kInternalError;
     }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    using namespace metrolux::core::app;
+    keepFreedMemory();
+    watchMemory();
+    const int status = runAndReport(argc, argv);
+    if (!memoryRanOut) return status;
+    // Libraries that were left in the middle of something would be taken apart at the end, and complain.
+    std::fflush(nullptr);
+    std::_Exit(status);
 }

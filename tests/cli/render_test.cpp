@@ -243,6 +243,7 @@ TEST_F(CliTest, WarningsOfOptionsWithoutEffectAreTrue) {
             options[info.name] = toText(test::otherValues(info).front());
     const auto words = [](std::string name, const std::string& value) {
         std::replace(name.begin(), name.end(), '_', '-');
+        if (value == "true") return Words{"--" + name};
         return value == "false" ? Words{"--no-" + name} : Words{"--" + name, value};
     };
     const auto render = [&](const std::string& integrator, const Words& others) {

@@ -1,4 +1,4 @@
-# Flags and revision, as study/build_description.cpp reports them, and flags for the identity of checkpoints.
+# The revision, which study/build_description.cpp reports, and the flags, which are a part of a checkpoint's identity.
 set(revision "unknown")
 find_package(Git QUIET)
 if(GIT_FOUND)
@@ -16,6 +16,6 @@ if(METROLUX_ARCH AND type STREQUAL "RELEASE")
 endif()
 string(STRIP "${flags}" flags)
 set_source_files_properties(${PROJECT_SOURCE_DIR}/src/study/build_description.cpp PROPERTIES
-  COMPILE_DEFINITIONS "METROLUX_FLAGS=\"${flags}\";METROLUX_REVISION=\"${revision}\"")
+  COMPILE_DEFINITIONS "METROLUX_REVISION=\"${revision}\"")
 set_source_files_properties(${PROJECT_SOURCE_DIR}/src/render/build_id.cpp PROPERTIES
   COMPILE_DEFINITIONS "METROLUX_FLAGS=\"${flags}\"")

@@ -1,4 +1,5 @@
 #pragma once
+#include "base/error.h"
 #include "base/transform.h"
 #include "endpoint/endpoint.h"
 #include "image/film_window.h"
@@ -37,6 +38,12 @@ class Camera : public Endpoint {
     }
 
   protected:
+    /// Throws Error, which names the camera, unless the window has pixels.
+    static void requireFilm(const FilmWindow& window, const char* camera) {
+        if (window.fullWidth <= 0 || window.fullHeight <= 0 || window.pixelCount() <= 0)
+            throw Error("{} camera: the film is empty ({} x {})", camera, window.fullWidth,
+                        window.fullHeight);
+    }
     /// From the axes of the camera as seen in the image, each with a constant term; x, y and w are the
     /// homogeneous coordinates in which the image is projected.
     struct Row {

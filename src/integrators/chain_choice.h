@@ -19,7 +19,6 @@ class ChainChoice {
     bool chains() const { return judging() || better_; }
     /// Whether the next pass is judged.
     bool judging() const { return passes_ < kFirst || passes_ >= nextTrial_; }
-    bool better() const { return better_; }
 
     /// A pass has been made. `gain`: the noise of as many independent light subpaths over that of the chains.
     void endPass(double gain) {

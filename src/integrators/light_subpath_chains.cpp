@@ -19,7 +19,7 @@ struct LightSubpathModel {
     PhotonDensity* photons;
     std::vector<std::vector<Vec3f>>* trails;  ///< of each lane, may be null
     const ReplicaMixture& mix;
-    MixtureDensity& density;
+    MixtureDensity* density;  ///< measured, if given
 
     void startUniform(PrimarySample&, CounterRng&, size_t, size_t) const {}
     using Evaluations = std::span<const Evaluation<LightSubpathContribution>>;
@@ -32,13 +32,14 @@ struct LightSubpathModel {
         evaluateTogether(pass, jobs, coherence);
         for (const auto& [stream, c] : evaluations) {
             c->size = sizeOf(c->splats, iteration.target);
-            c->shared = c->splats.shared;
             c->squares = iteration.noise ? iteration.noise->squares(c->splats) : c->size * c->size;
         }
     }
     void pay(size_t lane, const LightSubpathContribution& c, double weight) const {
         film.addSplats(c.splats, weight, weight * iteration.filmShare);
-        density.add(lane, weight, mix.uniformWeight(c.size), c.shared, iteration.noise ? c.squares : 0);
+        if (density)
+            density->add(lane, weight, mix.uniformWeight(c.size), c.splats.shared,
+                         iteration.noise ? c.squares : 0);
         if (trails) (*trails)[lane].insert((*trails)[lane].end(), c.trail.begin(), c.trail.end());
     }
 };
@@ -76,7 +77,7 @@ void LightSubpathChains::begin(size_t samples, double radius, bool chains) {
 }
 
 double LightSubpathChains::effectiveSamples() const {
-    if (measureBoost && chainsRun_ && density_.ofShared() > 0) return density_.ofShared();
+    if (chainsRun_ && density_.ofShared() > 0) return density_.ofShared();
     return mix_.samples() * mix_.boost();
 }
 
@@ -86,8 +87,13 @@ void LightSubpathChains::run(const LightSubpathPass& pass, Film& film, const Lig
     if (!ready_) return plainRun(pass, film, iteration, photons);
     // Their sizes are those of other weights than the chains', and do not enter b_V and b_F.
     if (!chainsRun_) return independentRun(pass, film, iteration, photons, nullptr);
-    const LightSubpathModel model{pass, film,    iteration, photons, keepTrails ? &trails_ : nullptr,
-                                  mix_, density_};
+    const LightSubpathModel model{pass,
+                                  film,
+                                  iteration,
+                                  photons,
+                                  keepTrails ? &trails_ : nullptr,
+                                  mix_,
+                                  measureDensity ? &density_ : nullptr};
     lanes_.run(model, mix_, iteration.pass, iteration.first);
     if (photons && mix_.uniform > 0) photons->endIteration(mix_.uniform);
     lanes_.endIteration(squaredRadius_);

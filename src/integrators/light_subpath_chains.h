@@ -18,7 +18,6 @@ struct LightSubpathContribution {
     std::vector<Vec3f> trail;  ///< its smooth vertices, if LightSubpathChains::keepTrails
     double size = 0;           ///< F(u)
     double squares = 0;        ///< of its splats, relative to the image where that is known
-    double shared = 0;         ///< SplatList::shared
     bool visible() const { return size > 0; }
 };
 
@@ -55,8 +54,8 @@ class LightSubpathChains {
     /// keepTrails and for plain passes.
     std::vector<Vec3f> trails() const;
     bool keepTrails = false;
-    /// Whether effectiveSamples() is measured.
-    bool measureBoost = false;
+    /// Whether density() is measured, and effectiveSamples() by it.
+    bool measureDensity = false;
     const MixtureDensity& density() const { return density_; }
 
     /// Between two iterations.

@@ -65,7 +65,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
           parameters_(parameters),
           chains_(settingsOf(options.seed, parameters, partition_.pixels(0).size())),
           choosing_(!parameters.fixed && parameters.replicas.replicas == parameters.replicas.possible) {
-        chains_.measureBoost = !parameters.fixed;
+        chains_.measureDensity = !parameters.fixed;
         weighByPhotons(parameters.weighing);
         weighByVariance(parameters.variance);
     }
@@ -79,8 +79,8 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         nlohmann::json j = chains_.statistics();
         j.update(iterationStatistics());
         j["light_subpaths"] = usesChains() ? "chains" : "independent";
-        j["boost"] = chains_.effectiveSamples() / samples_;
-        j["gain_of_chains"] = chains_.density().ofNoise() / samples_;
+        j["boost"] = chains_.density().ofShared() / samples();
+        j["gain_of_chains"] = gainOfChains();
         return j;
     }
     std::string progressNote() const override {
@@ -91,7 +91,6 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
     void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size()), r = radius_.radius();
         chains_.begin(pixels.size(), r, usesChains());
-        samples_ = n;
         Strategies strategies = Strategies::bidirectional(chains_.effectiveSamples() / n,
                                                           n * std::numbers::pi * r * r, photons_.get());
         strategies.eyeFactors = eyeFactors_.get();
@@ -110,16 +109,18 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         chains_.run(light, film, iteration, photons_.get());
     }
 
+    /// Light subpaths of an iteration.
+    double samples() const { return double(partition_.pixels(0).size()); }
+    double gainOfChains() const { return chains_.density().ofNoise() / samples(); }
     bool usesChains() const { return !choosing_ || choice_.chains(); }
     void endPass() override {
-        if (choosing_ && chains_.ready()) choice_.endPass(chains_.density().ofNoise() / samples_);
+        if (choosing_ && chains_.ready()) choice_.endPass(gainOfChains());
     }
 
     McmcVcmParameters parameters_;
     LightSubpathChains chains_;
     bool choosing_;
     ChainChoice choice_;
-    double samples_ = 1;  ///< light subpaths of the last iteration
     PixelImportance importance_;
 };
 

@@ -7,13 +7,15 @@
 #include <string>
 
 namespace metrolux::core {
-namespace {
 
 #if defined(__clang__)
-constexpr const char* kCompiler = __VERSION__;  // names itself
+const char* const kCompiler = __VERSION__;  // names itself
 #else
-constexpr const char* kCompiler = "GCC " __VERSION__;
+const char* const kCompiler = "GCC " __VERSION__;
 #endif
+const char* const kBuildFlags = METROLUX_FLAGS;
+
+namespace {
 
 /// Those that change how sums are rounded or in which order they are made.
 std::string instructions() {
@@ -43,7 +45,7 @@ std::string instructions() {
 
 nlohmann::json buildIdentity(const Intersector& intersector) {
     return {{"compiler", kCompiler},
-            {"flags", METROLUX_FLAGS},
+            {"flags", kBuildFlags},
             {"instructions", instructions()},
             {"libraries",
              fmt::format("Embree {}, glibc {}", Intersector::libraryVersion(), ::gnu_get_libc_version())},

@@ -2,8 +2,7 @@
 
 namespace metrolux::core::study {
 
-/// What the compiler was told, and the commit that the build was configured at ("unknown" outside of git).
-extern const char* const kBuildFlags;
+/// The commit that the build was configured at ("unknown" outside of git).
 extern const char* const kBuildRevision;
 
 }  // namespace metrolux::core::study

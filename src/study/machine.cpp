@@ -2,6 +2,7 @@
 
 #include "base/memory_budget.h"
 #include "geometry/intersector.h"
+#include "render/build_id.h"
 #include "study/build_description.h"
 
 #include <fmt/chrono.h>
@@ -15,12 +16,6 @@
 
 namespace metrolux::core::study {
 namespace {
-
-#if defined(__clang__)
-constexpr const char* kCompiler = __VERSION__;  // names itself
-#else
-constexpr const char* kCompiler = "GCC " __VERSION__;
-#endif
 
 std::string processorName() {
     std::ifstream file("/proc/cpuinfo");

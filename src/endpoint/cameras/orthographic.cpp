@@ -15,9 +15,7 @@ class OrthographicCamera final : public Camera {
           axis_(p.toWorld.vector({0, 0, 1})),
           direction_(normalize(axis_)),
           nearClip_(p.nearClip) {
-        if (window.fullWidth <= 0 || window.fullHeight <= 0 || window.pixelCount() <= 0)
-            throw Error("orthographic camera: the film is empty ({} x {})", window.fullWidth,
-                        window.fullHeight);
+        requireFilm(window, "orthographic");
         if (!(nearClip_ >= 0)) throw Error("orthographic camera: near clip {} is negative", nearClip_);
         side_ = 2.0f / static_cast<float>(window.fullWidth);
         // Area of a pixel perpendicular to the rays: the map may shear.

@@ -23,9 +23,7 @@ class PerspectiveCamera final : public Camera {
           lensRadius_(p.apertureRadius),
           focus_(p.focusDistance),
           offset_(p.principalOffsetX, p.principalOffsetY) {
-        if (window.fullWidth <= 0 || window.fullHeight <= 0 || window.pixelCount() <= 0)
-            throw Error("perspective camera: the film is empty ({} x {})", window.fullWidth,
-                        window.fullHeight);
+        requireFilm(window, "perspective");
         const float width = static_cast<float>(window.fullWidth),
                     height = static_cast<float>(window.fullHeight);
         if (!(nearClip_ >= 0)) throw Error("perspective camera: near clip {} is negative", nearClip_);

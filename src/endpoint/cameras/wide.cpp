@@ -20,8 +20,7 @@ class WideCamera : public Camera {
           nearClip_(p.nearClip),
           width_(static_cast<float>(window.fullWidth)),
           height_(static_cast<float>(window.fullHeight)) {
-        if (window.fullWidth <= 0 || window.fullHeight <= 0 || window.pixelCount() <= 0)
-            throw Error("{} camera: the film is empty ({} x {})", name, window.fullWidth, window.fullHeight);
+        requireFilm(window, name);
         if (!(nearClip_ >= 0)) throw Error("{} camera: near clip {} is negative", name, nearClip_);
     }
 

@@ -85,15 +85,12 @@ class GoniometricLight final : public Light {
     }
 
     std::optional<EndpointConnection> connect(const Vec3f& x, const Vec2f&) const override {
-        EndpointConnection c;
-        c.point = position_;
-        c.distance = (position_ - x).length();
-        if (!(c.distance > 0)) return std::nullopt;
-        c.wi = normalize(position_ - x);
-        const Rgb value = intensity(-c.wi);
+        std::optional<EndpointConnection> c = connectionToPoint(position_, x);
+        if (!c) return std::nullopt;
+        const Rgb value = intensity(-c->wi);
         if (isBlack(value)) return std::nullopt;
-        c.value = value * (1.0f / sqr(c.distance));
-        c.pdfDirection = pdf(-c.wi);
+        c->value = value * (1.0f / sqr(c->distance));
+        c->pdfDirection = pdf(-c->wi);
         return c;
     }
 

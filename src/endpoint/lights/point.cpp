@@ -28,13 +28,10 @@ class PointLight final : public Light {
     }
 
     std::optional<EndpointConnection> connect(const Vec3f& x, const Vec2f&) const override {
-        EndpointConnection c;
-        c.point = position_;
-        c.distance = (position_ - x).length();
-        if (!(c.distance > 0) || isBlack(intensity_)) return std::nullopt;
-        c.wi = normalize(position_ - x);
-        c.value = intensity_ * (1.0f / sqr(c.distance));
-        c.pdfDirection = warp::kUniformSpherePdf;
+        std::optional<EndpointConnection> c = connectionToPoint(position_, x);
+        if (!c || isBlack(intensity_)) return std::nullopt;
+        c->value = intensity_ * (1.0f / sqr(c->distance));
+        c->pdfDirection = warp::kUniformSpherePdf;
         return c;
     }
 

@@ -52,20 +52,17 @@ class Projector final : public Light {
     }
 
     std::optional<EndpointConnection> connect(const Vec3f& x, const Vec2f&) const override {
-        EndpointConnection c;
-        c.point = position_;
-        c.distance = (position_ - x).length();
-        if (!(c.distance > 0)) return std::nullopt;
-        c.wi = normalize(position_ - x);
-        const Vec3f local = axes_.toLocal(-c.wi);
+        std::optional<EndpointConnection> c = connectionToPoint(position_, x);
+        if (!c) return std::nullopt;
+        const Vec3f local = axes_.toLocal(-c->wi);
         if (!(local.z > 0)) return std::nullopt;
         const Vec2f uv(0.5f - 0.5f * local.x / (local.z * halfWidth_),
                        0.5f - 0.5f * local.y / (local.z * halfHeight_));
         if (!(uv.x >= 0 && uv.x < 1 && uv.y >= 0 && uv.y < 1)) return std::nullopt;
         const Rgb value = intensity(local, uv);
         if (isBlack(value)) return std::nullopt;
-        c.value = value * (1.0f / sqr(c.distance));
-        c.pdfDirection = pdfDirection(local, uv);
+        c->value = value * (1.0f / sqr(c->distance));
+        c->pdfDirection = pdfDirection(local, uv);
         return c;
     }
 

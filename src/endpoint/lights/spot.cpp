@@ -57,15 +57,12 @@ class SpotLight final : public Light {
     }
 
     std::optional<EndpointConnection> connect(const Vec3f& x, const Vec2f&) const override {
-        EndpointConnection c;
-        c.point = position_;
-        c.distance = (position_ - x).length();
-        if (!(c.distance > 0)) return std::nullopt;
-        c.wi = normalize(position_ - x);
-        const Rgb value = intensity(axes_.toLocal(-c.wi));
+        std::optional<EndpointConnection> c = connectionToPoint(position_, x);
+        if (!c) return std::nullopt;
+        const Rgb value = intensity(axes_.toLocal(-c->wi));
         if (isBlack(value)) return std::nullopt;
-        c.value = value * (1.0f / sqr(c.distance));
-        c.pdfDirection = warp::uniformConePdf(oneMinusCosCutoff_);
+        c->value = value * (1.0f / sqr(c->distance));
+        c->pdfDirection = warp::uniformConePdf(oneMinusCosCutoff_);
         return c;
     }
 

@@ -81,7 +81,7 @@ void PathPair::all(SampleStream& u, SplatList& splats) const {
 
     if (photons)
         for (const Vertex& v : eye) {
-            const Rgb merged = photons->merge(strategies, v, limits.maxDepth);
+            const Rgb merged = photons->merge(scene, strategies, v, limits.maxDepth);
             if (!nonFinite.reject(merged, Technique::Merge)) sum += merged;
         }
 

@@ -1,6 +1,7 @@
 #include "integrators/photon_map.h"
 
 #include "transport/connect.h"
+#include "transport/merge_walls.h"
 
 namespace metrolux::core {
 
@@ -11,12 +12,14 @@ void PhotonMap::build(std::vector<Vertex> vertices, float radius) {
     inverseDiskArea_ = 1.0 / (double(kPi) * radius * radius);
 }
 
-Rgb PhotonMap::merge(const Strategies& strategies, const Vertex& eye, int maxDepth) const {
+Rgb PhotonMap::merge(const Scene& scene, const Strategies& strategies, const Vertex& eye,
+                     int maxDepth) const {
     Rgb sum(0.0f);
     grid_.query(eye.si.p, [&](uint32_t index) {
         const Vertex& light = vertices_[index];
-        if (maxDepth < 0 || light.depth + eye.depth <= maxDepth)
-            sum += mergeVertices(strategies, light, eye, inverseDiskArea_).value;
+        if (maxDepth >= 0 && light.depth + eye.depth > maxDepth) return;
+        const Rgb value = mergeVertices(strategies, light, eye, inverseDiskArea_).value;
+        if (!isBlack(value) && !isWallBetween(scene, light, eye, grid_.radius())) sum += value;
     });
     return sum;
 }

@@ -15,9 +15,9 @@ class PhotonMap {
     size_t size() const { return vertices_.size(); }
     size_t memoryBytes() const { return vertices_.capacity() * sizeof(Vertex) + grid_.memoryBytes(); }
 
-    /// Sum of the merges of an eye vertex, weighted by multiple importance sampling. `maxDepth`: largest
-    /// number of path edges, -1: no limit.
-    Rgb merge(const Strategies& strategies, const Vertex& eye, int maxDepth) const;
+    /// Sum of the merges of an eye vertex, weighted by multiple importance sampling, with those that no wall
+    /// keeps apart from it. `maxDepth`: largest number of path edges, -1: no limit.
+    Rgb merge(const Scene& scene, const Strategies& strategies, const Vertex& eye, int maxDepth) const;
 
   private:
     std::vector<Vertex> vertices_;

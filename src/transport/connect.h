@@ -69,7 +69,8 @@ LightFinding connectVertices(const Scene& scene, const Strategies& strategies, c
                              const Vertex& eye);
 
 /// Light vertex merged with an eye vertex at distance <= radius; the value is multiplied by 1 / (pi r^2).
-/// Photons from the other side of a thin wall are refused by their normals.
+/// Photons from the other side of a sheet are refused by their normals; whether a wall stands between the two
+/// is for the caller to ask (transport/merge_walls.h).
 LightFinding mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
                            double inverseDiskArea);
 

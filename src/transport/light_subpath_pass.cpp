@@ -1,6 +1,7 @@
 #include "transport/light_subpath_pass.h"
 
 #include "transport/connect.h"
+#include "transport/merge_walls.h"
 #include "transport/subpath.h"
 
 namespace metrolux::core {
@@ -31,8 +32,8 @@ class LightSubpathVisitor final : public SubpathVisitor {
         pass_.grid.query(v.si.p, [&](uint32_t index) {
             const Vertex& eye = pass_.eyes.vertices[index];
             if (pass_.limits.admits(v.depth + eye.depth))
-                pass_.addPixel(eye.pixel, mergeVertices(pass_.strategies, v, eye, inverseDiskArea),
-                               Technique::Merge, *job_.splats);
+                pass_.addMerge(mergeVertices(pass_.strategies, v, eye, inverseDiskArea), v, eye,
+                               *job_.splats);
         });
     }
     void splat(const Vertex& v) {
@@ -65,6 +66,12 @@ LightSubpathPass::Partner LightSubpathPass::choosePartner(SampleStream& stream) 
     if (n == 0 || !(u < share)) return {};
     return {eyes.subpath(std::min(static_cast<size_t>(u / share * double(n)), n - 1)),
             static_cast<float>(double(n) / share)};
+}
+
+void LightSubpathPass::addMerge(const LightFinding& found, const Vertex& light, const Vertex& eye,
+                                SplatList& splats) const {
+    if (isBlack(found.value) || isWallBetween(scene, light, eye, grid.radius())) return;
+    addPixel(eye.pixel, found, Technique::Merge, splats);
 }
 
 void LightSubpathPass::evaluate(const LightSubpathJob& job) const {

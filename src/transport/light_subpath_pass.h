@@ -60,6 +60,8 @@ struct LightSubpathPass {
     bool extensible(const Vertex& v, int edges = 1) const {
         return limits.maxDepth < 0 || v.depth + edges <= limits.maxDepth;
     }
+    /// Adds a merge unless a wall stands between the two vertices.
+    void addMerge(const LightFinding& found, const Vertex& light, const Vertex& eye, SplatList& splats) const;
     /// Adds a finite contribution to a pixel.
     void addPixel(uint32_t pixel, const LightFinding& found, Technique technique, SplatList& splats) const {
         if (!nonFinite.reject(found.value, technique) && !isBlack(found.value))

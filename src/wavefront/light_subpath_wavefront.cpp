@@ -226,8 +226,8 @@ void LightSubpathWavefront::merge(int depth) {
             const Vertex& eye = eyes[near_[k]];
             if (!pass_->limits.admits(depth + eye.depth)) continue;
             ++merged;
-            pass_->addPixel(eye.pixel, mergeVertices(pass_->strategies, subpath.v, eye, inverseDiskArea),
-                            Technique::Merge, *subpath.job.splats);
+            pass_->addMerge(mergeVertices(pass_->strategies, subpath.v, eye, inverseDiskArea), subpath.v, eye,
+                            *subpath.job.splats);
         }
     if (pass_->work) pass_->work->merges += merged;
 }

@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kConvertExamples = R"(Examples:
   metrolux convert scene.glb scene.xml     # meshes and images go to scene_files/
+  metrolux convert scene.pbrt scene.xml
   metrolux convert scene.xml fixed.xml -D material=glass
 
 The new scene renders to the same bits.)";
@@ -47,7 +48,7 @@ Run addConvertCommand(CLI::App& parent) {
     CLI::App* app = parent.add_subcommand("convert", "Write a scene as Mitsuba 3's XML");
     app->footer(kConvertExamples);
     auto a = std::make_shared<ConvertArguments>();
-    app->add_option("scene", a->from, "Mitsuba scene (XML) of version 2.x or 3.x, or glTF")->required();
+    app->add_option("scene", a->from, "Mitsuba scene (XML) of version 2.x or 3.x, glTF, or pbrt")->required();
     app->add_option("output", a->to, "File to write, NAME.xml")->required();
     app->add_option("-D,--define", a->defines, "Value for a <default> or $parameter of the scene")
         ->option_text("NAME=VALUE")

@@ -186,7 +186,7 @@ Run addInfoCommand(CLI::App& parent) {
         parent.add_subcommand("info", "Show what was understood of a scene, or what an image says of itself");
     app->footer(kInfoExamples);
     auto a = std::make_shared<InfoArguments>();
-    app->add_option("scene", a->scene, "Mitsuba scene (XML), glTF, or an image")->required();
+    app->add_option("scene", a->scene, "Mitsuba scene (XML), glTF, pbrt, or an image")->required();
     app->add_option("-D,--define", a->defines, "Value for a <default> or $parameter of the scene")
         ->option_text("NAME=VALUE")
         ->allow_extra_args(false);

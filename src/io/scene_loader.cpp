@@ -5,6 +5,7 @@
 #include "io/mitsuba/parser.h"
 #include "io/mitsuba/repetitions.h"
 #include "io/mitsuba/world_origin.h"
+#include "io/pbrt/scene.h"
 
 namespace metrolux::core {
 namespace {
@@ -185,11 +186,13 @@ MemoryBudget memoryFor(const LoadOptions& options) {
 }
 
 ParsedScene parseFile(const std::filesystem::path& file, const LoadOptions& options, MemoryBudget& memory) {
-    if (!gltf::isGltf(file)) return parseScene(file, options.defines, options.lenient, &memory);
+    const bool isGltf = gltf::isGltf(file), isPbrt = pbrt::isPbrt(file);
+    if (!isGltf && !isPbrt) return parseScene(file, options.defines, options.lenient, &memory);
     if (!options.defines.empty())
-        throw Error("{}: a glTF file has no parameters, found the value of \"{}\"", file.string(),
-                    options.defines.begin()->first);
-    return gltf::parseGltf(file, options.lenient, memory);
+        throw Error("{}: a {} file has no parameters, found the value of \"{}\"", file.string(),
+                    isGltf ? "glTF" : "pbrt", options.defines.begin()->first);
+    return isGltf ? gltf::parseGltf(file, options.lenient, memory)
+                  : pbrt::parsePbrt(file, options.lenient, memory);
 }
 
 template <class Film>

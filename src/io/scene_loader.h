@@ -37,9 +37,9 @@ struct SensorSource {
 /// What `strict` does with the warnings so far: throws the first as an Error.
 void refuseWarnings(const SceneParts& parts);
 
-/// Reads a Mitsuba XML scene, or glTF 2.0. Throws Error. `files`, if given, receives the names of all files
-/// that were read, the scene's first. `sensor`, if given, the one that the camera was made from; `tree` the
-/// scene as it was parsed.
+/// Reads a Mitsuba XML scene, glTF 2.0, or a pbrt scene. Throws Error. `files`, if given, receives the names
+/// of all files that were read, the scene's first. `sensor`, if given, the one that the camera was made from;
+/// `tree` the scene as it was parsed.
 SceneParts loadScene(const std::filesystem::path& file, const LoadOptions& options,
                      std::vector<std::filesystem::path>* files = nullptr, SensorSource* sensor = nullptr,
                      mitsuba::ParsedScene* tree = nullptr);

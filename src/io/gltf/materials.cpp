@@ -1,6 +1,6 @@
 #include "io/gltf/materials.h"
 
-#include "io/gltf/elements.h"
+#include "io/mitsuba/maker.h"
 
 #include <array>
 

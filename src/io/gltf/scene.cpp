@@ -1,7 +1,7 @@
 #include "io/gltf/scene.h"
 
-#include "io/gltf/elements.h"
 #include "io/gltf/materials.h"
+#include "io/mitsuba/maker.h"
 #include "io/mitsuba/world_origin.h"
 
 #include <algorithm>
@@ -51,13 +51,6 @@ core::Transform unscaled(const core::Transform& map) {
         const double length = std::hypot(map.at(0, j), map.at(1, j), map.at(2, j));
         for (int i = 0; i < 3; ++i) rows[i][j] = map.at(i, j) / (length > 0 ? length : 1);
     }
-    return core::Transform::fromRows(rows);
-}
-
-/// The same map with the inverse of its matrix, not the product of inverses: what a file can say.
-core::Transform settledMap(const core::Transform& map) {
-    double rows[4][4];
-    for (int i = 0; i < 16; ++i) rows[i / 4][i % 4] = map.at(i / 4, i % 4);
     return core::Transform::fromRows(rows);
 }
 

@@ -178,7 +178,8 @@ TEST_F(MergeWalls, TilesInOnePlaneAreOneSurface) {
 }
 
 TEST_F(MergeWalls, BumpsAndGrassLoseLittle) {
-    // Bumps of a fifth of the radius, up to 45 degrees steep, and 800 blades higher than it, a sixteenth as wide.
+    // Bumps of a fifth of the radius, up to 45 degrees steep, and 800 blades higher than it, a sixteenth as
+    // wide.
     const ShapePtr bumps = add(surface(
         80, [](float u, float v) { return Vec3f(u, 0.02f * std::sin(50 * u) * std::sin(47 * v), 1 - v); }));
     const ShapePtr meadow = add(rectangle({3, 0, 0}, {0, 1, 0}, 0.5f, 0.5f));

@@ -1,0 +1,28 @@
+#pragma once
+#include "io/pbrt/textures.h"
+
+namespace metrolux::core::pbrt {
+
+/// A shape without its material: an element, to which a place is added.
+struct ShapePart {
+    std::shared_ptr<mitsuba::Element> element;
+    double area = 0;       ///< in the world
+    double triangles = 1;  ///< pbrt makes a light of each
+};
+
+/// What is asked of a shape besides its surface.
+struct ShapeOptions {
+    bool reversed = false;  ///< ReverseOrientation holds
+    bool withBack =
+        false;  ///< it emits to both sides: a second surface right behind it, turned around, is made
+    bool needsArea = false;  ///< ShapePart::area and triangles of a mesh in a file too
+};
+
+/// What a Shape directive says.
+std::vector<ShapePart> makeShape(const std::string& type, const Parameters& parameters,
+                                 const Transform& toWorld, const ShapeOptions& options, Reading& reading);
+
+/// Types that are read, for messages and documents.
+std::vector<std::string> shapeTypes();
+
+}  // namespace metrolux::core::pbrt

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <memory>
+#include <zlib.h>
 
 namespace metrolux::core {
 
@@ -40,6 +42,42 @@ void requireMemory(const std::filesystem::path& path, const MeshOptions& options
     }
 }
 
+namespace {
+
+/// What a file compressed by gzip holds, all its members.
+std::string inflated(const std::filesystem::path& path, const std::string& compressed,
+                     const MeshOptions& options) {
+    constexpr size_t kStep = size_t{1} << 20;
+    constexpr int kGzip = 16 + MAX_WBITS;
+    z_stream stream{};
+    if (inflateInit2(&stream, kGzip) != Z_OK) throw Error("{}: zlib cannot start", path.string());
+    const std::unique_ptr<z_stream, int (*)(z_stream*)> ended(&stream, inflateEnd);
+    std::string result;
+    const auto* const bytes = reinterpret_cast<const Bytef*>(compressed.data());
+    size_t read = 0, written = 0;
+    int status = Z_OK;
+    while (read < compressed.size() || stream.avail_out == 0) {
+        if (status == Z_STREAM_END && inflateReset(&stream) != Z_OK) break;
+        requireMemory(path, options, written + kStep, 1, "the file");
+        result.resize(written + kStep);
+        stream.next_in = const_cast<Bytef*>(bytes + read);
+        stream.avail_in = static_cast<uInt>(std::min(compressed.size() - read, kStep));
+        stream.next_out = reinterpret_cast<Bytef*>(result.data() + written);
+        stream.avail_out = static_cast<uInt>(kStep);
+        status = inflate(&stream, Z_NO_FLUSH);
+        read = static_cast<size_t>(stream.next_in - bytes);
+        written += kStep - stream.avail_out;
+        if (status != Z_OK && status != Z_STREAM_END) break;
+        if (status == Z_STREAM_END && read == compressed.size()) break;
+    }
+    if (status != Z_STREAM_END)
+        throw Error("{}: is damaged: found no end of its compressed data (gzip)", path.string());
+    result.resize(written);
+    return result;
+}
+
+}  // namespace
+
 std::string readMeshFile(const std::filesystem::path& path, const MeshOptions& options) {
     std::error_code code;
     const auto size = std::filesystem::file_size(path, code);
@@ -50,6 +88,7 @@ std::string readMeshFile(const std::filesystem::path& path, const MeshOptions& o
     stream.read(text.data(), static_cast<std::streamsize>(size));
     if (static_cast<size_t>(stream.gcount()) != size)
         throw Error("{}: cannot be read in full", path.string());
+    if (text.starts_with("\x1f\x8b")) text = inflated(path, text, options);
     constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
     if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
     return text;

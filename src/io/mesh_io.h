@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -54,7 +55,8 @@ std::shared_ptr<TriangleMesh> readSerialized(const std::filesystem::path& path, 
 
 // What the readers share.
 
-/// The whole file, if there is memory for it, without a byte order mark.
+/// The whole file, if there is memory for it, without a byte order mark and decompressed if it is a gzip
+/// file.
 std::string readMeshFile(const std::filesystem::path& path, const MeshOptions& options);
 /// Throws Error unless `count` of `what`, of so many bytes each, fit the memory that is left.
 void requireMemory(const std::filesystem::path& path, const MeshOptions& options, uint64_t count,

@@ -3,6 +3,7 @@
 #include "geometry/affine.h"
 #include "io/mesh_arrays.h"
 #include "io/mitsuba/context.h"
+#include "io/mitsuba/curves.h"
 #include "io/mitsuba/heightfield.h"
 #include "io/mitsuba/mesh_attributes.h"
 #include "io/mitsuba/unknown_plugins.h"
@@ -106,10 +107,18 @@ struct Plugin {
     MakeShape make;
 };
 constexpr Plugin kPlugins[] = {
-    {"obj", makeObjShape},          {"ply", makePlyShape},           {"serialized", makeSerializedShape},
-    {"sphere", makeSphereShape},    {"cylinder", makeCylinderShape}, {"rectangle", makePlaced<makeRectangle>},
-    {"disk", makePlaced<makeDisk>}, {"cube", makePlaced<makeCube>},  {"heightfield", makeHeightfield},
+    {"obj", makeObjShape},
+    {"ply", makePlyShape},
+    {"serialized", makeSerializedShape},
+    {"sphere", makeSphereShape},
+    {"cylinder", makeCylinderShape},
+    {"rectangle", makePlaced<makeRectangle>},
+    {"disk", makePlaced<makeDisk>},
+    {"cube", makePlaced<makeCube>},
+    {"heightfield", makeHeightfield},
     {"mesh", makeMeshShape},
+    {"bsplinecurve", makeBSplineCurve},
+    {"linearcurve", makeLinearCurve},
 };
 constexpr const char* kGroup = "shapegroup";
 constexpr const char* kInstance = "instance";

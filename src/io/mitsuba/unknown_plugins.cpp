@@ -22,8 +22,6 @@ constexpr Missing kMissing[] = {
     {"bsdf", "hair", "principled"},
     {"bsdf", "irawan", "diffuse with a bitmap"},
     {"bsdf", "hk", "difftrans; it is a medium in a thin layer, and media are not supported"},
-    {"shape", "bsplinecurve", "a mesh of the curves"},
-    {"shape", "linearcurve", "cylinder"},
     {"shape", "sdfgrid", "a mesh of the surface"},
     {"shape", "ellipsoids", "sphere"},
     {"shape", "ellipsoidsmesh", "a mesh"},

@@ -21,8 +21,6 @@ void Lexer::include(const std::filesystem::path& file) {
     options.memory = &memory_;
     texts_.push_back(readMeshFile(file, options));
     memory_.take(texts_.back().size(), "the scene");
-    if (texts_.back().starts_with("\x1f\x8b"))
-        throw Error("{}: is compressed with gzip, expected text", file.string());
     open_.push_back({&*names_.insert(file.string()).first, texts_.back()});
 }
 

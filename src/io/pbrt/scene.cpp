@@ -368,7 +368,7 @@ const std::vector<SceneReader::Directive>& SceneReader::directives() {
 }  // namespace
 
 bool isPbrt(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
+    std::string extension = (file.extension() == ".gz" ? file.stem() : file).extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     return extension == ".pbrt";
 }

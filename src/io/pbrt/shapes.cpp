@@ -4,6 +4,7 @@
 #include "io/mesh_io.h"
 #include "io/mitsuba/field_of_view.h"
 #include "io/mitsuba/maker.h"
+#include "io/pbrt/curves.h"
 
 #include <algorithm>
 #include <numbers>
@@ -32,6 +33,17 @@ struct Arrays {
     }
 };
 using ArraysPtr = std::shared_ptr<Arrays>;
+
+ArraysPtr arraysOf(const TriangleMesh& mesh) {
+    auto result = std::make_shared<Arrays>();
+    for (size_t i = 0; i < mesh.positions.size(); ++i) {
+        const Vec2f uv = mesh.uvs.empty() ? Vec2f(0.0f) : mesh.uvs[i];
+        result->add(Vec3d(mesh.positions[i]), mesh.normals.empty() ? Vec3d(0.0) : Vec3d(mesh.normals[i]),
+                    double(uv.x), double(uv.y));
+    }
+    result->triangles = mesh.indices;
+    return result;
+}
 
 /// A surface of two parameters in [0, 1], as a grid. The outside is on the side of dp/du x dp/dv.
 template <class Point>
@@ -111,16 +123,7 @@ class ShapeMaker {
             options.memory = &reading_.memory;
             options.faceNormals = flat;
             if (withBack_) {
-                const auto mesh = readPly(found, options);
-                auto own = std::make_shared<Arrays>();
-                for (size_t i = 0; i < mesh->positions.size(); ++i) {
-                    const Vec2f uv = mesh->uvs.empty() ? Vec2f(0.0f) : mesh->uvs[i];
-                    own->add(Vec3d(mesh->positions[i]),
-                             mesh->normals.empty() ? Vec3d(0.0) : Vec3d(mesh->normals[i]), double(uv.x),
-                             double(uv.y));
-                }
-                own->triangles = mesh->indices;
-                return addMesh(own, flat);
+                return addMesh(arraysOf(*readPly(found, options)), flat);
             }
             options.toWorld = toWorld_;
             const auto mesh = readPly(found, options);
@@ -128,6 +131,11 @@ class ShapeMaker {
             part.triangles = double(mesh->primitiveCount());
         }
         parts.push_back(std::move(part));
+    }
+
+    void curve() {
+        const ArraysPtr tube = arraysOf(*curveMesh(p_, reading_));
+        if (!tube->triangles.empty()) addMesh(tube, false);
     }
 
     void sphere() {
@@ -402,6 +410,7 @@ constexpr Type kTypes[] = {
     {"sphere", [](ShapeMaker& s) { s.sphere(); }},
     {"cylinder", [](ShapeMaker& s) { s.cylinder(); }},
     {"disk", [](ShapeMaker& s) { s.disk(); }},
+    {"curve", [](ShapeMaker& s) { s.curve(); }},
 };
 
 }  // namespace

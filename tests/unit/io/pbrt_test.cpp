@@ -295,7 +295,7 @@ TEST(Pbrt, RefusalsNameTheirPlace) {
         {"Shape \"sphere", "found a string without an end"},
         {"Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 3]",
          "found the index 3, expected 0 to 2"},
-        {"Shape \"curve\"", "the shape \"curve\" is not supported"},
+        {"Shape \"nurbs\"", "the shape \"nurbs\" is not supported"},
         {"Material \"hair\" Shape \"sphere\"", "the material \"hair\" is not supported"},
         {"Material \"difuse\" Shape \"sphere\"", "did you mean \"diffuse\"?"},
         {"NamedMaterial \"x\"", "found no material of the name \"x\""},
@@ -324,7 +324,7 @@ TEST(Pbrt, LenientlyWhatIsUnknownHasAStandIn) {
     LoadOptions lenient;
     lenient.lenient = true;
     for (const char* text :
-         {"Shape \"curve\" \"float width\" 1", "Material \"hair\" \"float eumelanin\" 1 Shape \"sphere\"",
+         {"Shape \"nurbs\" \"float width\" 1", "Material \"hair\" \"float eumelanin\" 1 Shape \"sphere\"",
           "Texture \"t\" \"spectrum\" \"marble\" Material \"diffuse\" \"texture reflectance\" \"t\" Shape "
           "\"disk\"",
           "LightSource \"goniometric\" \"string filename\" \"a.exr\"", "Shape \"sphere\" \"float what\" 1",

@@ -59,7 +59,8 @@ struct LightMaker {
         return color(name) * static_cast<float>(scale);
     }
     ImageData image() const {
-        return readImage(reading.find(p.requiredString("filename"), p.where()), false, &reading.memory);
+        const char* const name = p.has("mapname") ? "mapname" : "filename";  // of version 3
+        return readImage(reading.find(p.requiredString(name), p.where()), false, &reading.memory);
     }
     /// Light space of spot and distant: along +z from "from" to "to".
     Transform aimed(const Vec3d& from, const Vec3d& to) const {
@@ -115,12 +116,15 @@ struct LightMaker {
 
     ElementPtr infinite() const {
         if (p.has("portal")) reading.warn(p.error("\"portal\" has no effect: it changes noise only"));
-        if (!p.has("filename"))
+        const bool isOld = p.has("mapname");
+        if (!p.has("filename") && !isOld)
             return Maker("emitter", "constant", p.where())
                 .with("radiance", RgbValue{scaled("L", "illuminance", kPiD2)})
                 .done();
         const ImageData source = image();
-        if (p.has("L")) throw p.error("found \"L\" as well as \"filename\", expected one of the two");
+        if (p.has("L") && !isOld)
+            throw p.error("found \"L\" as well as \"filename\", expected one of the two");
+        const Rgb tint = color("L");  // of version 3, where it multiplies the image
         const bool isSquare = source.width == source.height;
         if (!isSquare && source.width != 2 * source.height)
             throw p.error(fmt::format(
@@ -158,7 +162,7 @@ struct LightMaker {
                     sum += lookUp(
                         {std::cos(phi) * std::sin(theta), std::sin(phi) * std::sin(theta), std::cos(theta)});
                 }
-                const Rgb value = space.convert(sum * (scale / static_cast<float>(samples * samples)));
+                const Rgb value = tint * space.convert(sum * (scale / static_cast<float>(samples * samples)));
                 pixels->insert(pixels->end(), {value.x, value.y, value.z});
             }
         // u = 0 is local -z, u = 1/4 local +x, the zenith local +y: pbrt's +x, +y and +z.
@@ -262,6 +266,7 @@ ElementPtr makeLight(const std::string& type, const Parameters& p, const Transfo
     for (const Type& known : kTypes) {
         if (type != known.name) continue;
         ElementPtr made = known.make({p, toWorld, space, exposure, reading});
+        p.ignore({"samples", "nsamples"});  // of version 3
         p.checkAllUsed(reading);
         return made;
     }

@@ -277,7 +277,9 @@ class SceneReader {
         ElementPtr bsdf = materials_.bsdf(state_.material);
         if (!isMade) reading_.memory.take(kObjectBytes, "a material");
         bsdf = masked(d.parameters, std::move(bsdf));
-        const ShapeOptions options{state_.reversed, light && light->bothSides, light && light->power > 0};
+        const ShapeOptions options{state_.reversed, light && light->bothSides,
+                                   isTextured(*bsdf) || (light && !light->radiance.isConstant()),
+                                   light && light->power > 0};
         const Transform map = settledMap(state_.place.map);
         for (const ShapePart& part : makeShape(d.type, d.parameters, map, options, reading_)) {
             reading_.memory.take(kObjectBytes, "a shape");
@@ -292,6 +294,19 @@ class SceneReader {
             }
         }
         d.parameters.checkAllUsed(reading_);
+    }
+    /// Whether it shows how uv lie on its surface.
+    static bool isTextured(const Element& element) {
+        const mitsuba::Property *u = element.find("alpha_u"), *v = element.find("alpha_v");
+        const double* const alpha = u && v ? std::get_if<double>(&u->value) : nullptr;
+        if (alpha && std::get_if<double>(&v->value) && *alpha != std::get<double>(v->value)) return true;
+        const auto isIt = [](const mitsuba::Property& property) {
+            const ElementPtr* child = std::get_if<ElementPtr>(&property.value);
+            return child && *child && ((*child)->tag == "texture" || isTextured(**child));
+        };
+        return std::any_of(element.children.begin(), element.children.end(), isIt) ||
+               std::any_of(element.named.begin(), element.named.end(),
+                           [&](const auto& entry) { return isIt(entry.second); });
     }
     static void nest(Element& element, ElementPtr child) {
         element.children.push_back(mitsuba::Property{std::move(child), element.location, false,

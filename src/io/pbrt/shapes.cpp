@@ -72,6 +72,7 @@ class ShapeMaker {
           toWorld_(toWorld),
           reversed_(options.reversed),
           withBack_(options.withBack),
+          isTextured_(options.isTextured),
           needsArea_(options.needsArea),
           reading_(reading) {}
 
@@ -143,7 +144,7 @@ class ShapeMaker {
         const double low = std::clamp(p_.number("zmin", -r), -r, r),
                      high = std::clamp(p_.number("zmax", r), -r, r);
         const double phi = turn();
-        if (low <= -r && high >= r && phi >= kPi2 && mitsuba::isSimilarity(toWorld_)) {
+        if (low <= -r && high >= r && phi >= kPi2 && !isTextured_ && mitsuba::isSimilarity(toWorld_)) {
             quadric("sphere", 2 * kPi2 * r * r,
                     [r](mitsuba::Element& e, double back) { add(e, "radius", r * (1 - back)); });
             return;
@@ -180,7 +181,7 @@ class ShapeMaker {
         const double r = positive("radius", 1), hole = p_.number("innerradius", 0),
                      height = p_.number("height", 0);
         const double phi = turn();
-        if (!(hole > 0) && phi >= kPi2) {
+        if (!(hole > 0) && phi >= kPi2 && !isTextured_) {
             const Transform own = Transform::translate({0, 0, height}) *
                                   Transform::scale({static_cast<float>(r), static_cast<float>(r), 1});
             const Transform map = toWorld_;
@@ -394,7 +395,7 @@ class ShapeMaker {
 
     const Parameters& p_;
     Transform toWorld_;
-    bool reversed_, withBack_, needsArea_;
+    bool reversed_, withBack_, isTextured_, needsArea_;
     Reading& reading_;
 };
 

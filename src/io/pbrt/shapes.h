@@ -15,7 +15,8 @@ struct ShapeOptions {
     bool reversed = false;  ///< ReverseOrientation holds
     bool withBack =
         false;  ///< it emits to both sides: a second surface right behind it, turned around, is made
-    bool needsArea = false;  ///< ShapePart::area and triangles of a mesh in a file too
+    bool isTextured = false;  ///< its uv have to be pbrt's, which differ from ours on spheres and disks
+    bool needsArea = false;   ///< ShapePart::area and triangles of a mesh in a file too
 };
 
 /// What a Shape directive says.

@@ -229,7 +229,7 @@ Texture Textures::imageFile(const std::string& file, const Parameters& p, bool r
         throw p.error(fmt::format("found the wrap mode \"{}\", expected repeat, clamp or black", wrap));
     image.wrap = wrap;
     image.nearest = p.string("filter", "bilinear") == "point";
-    p.ignore({"maxanisotropy", "trilinear"});
+    p.ignore({"maxanisotropy", "trilinear", "gamma"});
     Texture result = Texture::image(std::move(image), fromTheTop(mappingOf(p, reading_)), p.where());
     if (gamma > 0)
         result = result.changed(

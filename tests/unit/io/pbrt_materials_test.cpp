@@ -142,6 +142,24 @@ TEST(PbrtTextures, ImagesStandUpright) {
     expectColor(at("0.2", "0.8", "\"bool invert\" true"), {0, 1, 1});
 }
 
+TEST(PbrtTextures, OnASphereTheUpperEdgeIsAtItsPole) {
+    // The pole is toward the camera, u = 0 toward +x.
+    const std::string ball =
+        "LightSource \"infinite\"\nTexture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"image.png\" "
+        "\"string filter\" "
+        "\"point\"\nMaterial \"diffuse\" \"texture reflectance\" \"t\"\n";
+    const Rgb pole =
+        seenWithImage(fourTexels(), pbrtScene(ball + "Translate -0.1 -0.1 0 Shape \"sphere\""), 50);
+    expectColor(pole, {1, 0, 0});
+    expectColor(
+        seenWithImage(fourTexels(),
+                      pbrtScene(ball + "Rotate 180 1 0 0 Translate -0.1 -0.1 0 Shape \"sphere\""), 50),
+        {0, 0, 1});
+    // A disk has its upper edge at the middle.
+    expectColor(seenWithImage(fourTexels(), pbrtScene(ball + "Translate 0.1 0.1 0 Shape \"disk\""), 50),
+                {0, 1, 0});
+}
+
 TEST(PbrtTextures, SumsAndProducts) {
     const std::string two =
         "Texture \"a\" \"spectrum\" \"constant\" \"rgb value\" [0.8 0.4 0.2]\n"

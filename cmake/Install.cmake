@@ -5,6 +5,9 @@ install(TARGETS metrolux_library EXPORT MetroluxTargets LIBRARY DESTINATION ${CM
 if(TARGET metrolux_command)
   install(TARGETS metrolux_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
+if(TARGET metrolux_mpi)
+  install(TARGETS metrolux_mpi LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/metrolux)
+endif()
 install(DIRECTORY include/metrolux DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/Metrolux)

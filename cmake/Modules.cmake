@@ -29,9 +29,10 @@ if(METROLUX_COVERAGE)
   target_link_options(metrolux_options INTERFACE --coverage)
 endif()
 
-# metrolux_module(name DEPENDS modules... LIBRARIES external... GENERATED sources...)
+# metrolux_module(name DEPENDS modules... LIBRARIES external... INSIDE external... GENERATED sources...): headers of modules include
+# those of LIBRARIES, and nothing of INSIDE.
 function(metrolux_module name)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;LIBRARIES;GENERATED" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "DEPENDS;LIBRARIES;INSIDE;GENERATED" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${name}/*.cpp)
   if(NOT sources)
     set(sources ${PROJECT_SOURCE_DIR}/cmake/empty.cpp)
@@ -42,6 +43,7 @@ function(metrolux_module name)
   set_target_properties(metrolux_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
     VISIBILITY_INLINES_HIDDEN ON)
   target_link_libraries(metrolux_${name} PUBLIC metrolux_options ${ARG_LIBRARIES})
+  target_link_libraries(metrolux_${name} PRIVATE ${ARG_INSIDE})
   foreach(module ${ARG_DEPENDS})
     target_link_libraries(metrolux_${name} PUBLIC metrolux_${module})
   endforeach()

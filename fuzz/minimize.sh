@@ -10,7 +10,6 @@ small=$work/$target.small
 rm -rf "$small"
 cp -r "$here/corpus/$target" "$small"
 export ASAN_OPTIONS=allocator_may_return_null=1
-export LSAN_OPTIONS=suppressions=$here/lsan.supp:print_suppressions=0
 "$build/fuzz/fuzz_$target" -merge=1 -timeout=30 -rss_limit_mb=3000 -max_len=16384 "$small" "$work/$target"
 for file in "$here/corpus/$target"/*; do rm -f "$small/$(basename "$file")"; done
 # The largest go first.

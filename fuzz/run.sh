@@ -9,7 +9,6 @@ mkdir -p "$work/$target"
 dictionary=$here/dictionaries/$target.dict
 export ASAN_OPTIONS=allocator_may_return_null=1
 export UBSAN_OPTIONS=print_stacktrace=1
-export LSAN_OPTIONS=suppressions=$here/lsan.supp:print_suppressions=0
 exec nice -n 10 "$build/fuzz/fuzz_$target" -max_total_time="$seconds" -timeout=30 -rss_limit_mb=3000 -max_len=16384 \
   -print_final_stats=1 -artifact_prefix="$work/$target-" \
   $([ ! -f "$dictionary" ] || echo "-dict=$dictionary") "$work/$target" "$here/corpus/$target"

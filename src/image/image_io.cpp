@@ -2,13 +2,14 @@
 
 #include "base/error.h"
 #include "image/atomic_file.h"
-
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
+#include "image/formats/decoder.h"
+#include "image/formats/encoder.h"
 
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <fstream>
+#include <sstream>
 #include <string_view>
 
 namespace metrolux::core {
@@ -16,193 +17,165 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kLargestSide = 1 << 17;
 constexpr uint64_t kMostValues = uint64_t{1} << 29;  // 2 GiB of floats
-/// CIE xy of red, green, blue and white: ITU-R BT.709 with D65.
-constexpr float kRec709[8] = {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f};
 
 /// No compression of the formats read here shrinks an image of more than kFreeBytes by more than this factor
 /// (EXR's PIZ of a black image comes near).
 constexpr uint64_t kMostExpansion = 1 << 16;
 constexpr uint64_t kFreeBytes = uint64_t{64} << 20;
 
+using Opener = std::unique_ptr<ImageDecoder> (*)(std::istream&);
 struct Signature {
     std::string_view bytes;
-    const char* reader;  ///< OpenImageIO's name
+    Opener open;
 };
 using namespace std::string_view_literals;
 constexpr Signature kSignatures[] = {
-    {"\x76\x2f\x31\x01"sv, "openexr"},
-    {"\x89PNG\r\n\x1a\n"sv, "png"},
-    {"\xff\xd8\xff"sv, "jpeg"},
-    {"#?"sv, "hdr"},
-    {"BM"sv, "bmp"},
-    {"II*\0"sv, "tiff"},
-    {"MM\0*"sv, "tiff"},
-    {"II+\0"sv, "tiff"},
-    {"MM\0+"sv, "tiff"},
-    {"P1"sv, "pnm"},
-    {"P2"sv, "pnm"},
-    {"P3"sv, "pnm"},
-    {"P4"sv, "pnm"},
-    {"P5"sv, "pnm"},
-    {"P6"sv, "pnm"},
-    {"PF"sv, "pnm"},
-    {"Pf"sv, "pnm"},
+    {"\x76\x2f\x31\x01"sv, openExr},
+    {"\x89PNG\r\n\x1a\n"sv, openPng},
+    {"\xff\xd8\xff"sv, openJpeg},
+    {"#?"sv, openHdr},
+    {"BM"sv, openBmp},
+    {"II*\0"sv, openTiff},
+    {"MM\0*"sv, openTiff},
+    {"II+\0"sv, openTiff},
+    {"MM\0+"sv, openTiff},
+    {"P1"sv, openPnm},
+    {"P2"sv, openPnm},
+    {"P3"sv, openPnm},
+    {"P4"sv, openPnm},
+    {"P5"sv, openPnm},
+    {"P6"sv, openPnm},
+    {"PF"sv, openPnm},
+    {"Pf"sv, openPnm},
 };
 
-/// OpenImageIO's name of the reader for bytes; null if they begin none of the formats.
-const char* readerOf(std::string_view bytes) {
+/// What reads the bytes; null if they begin none of the formats.
+Opener openerOf(std::string_view bytes) {
     for (const Signature& s : kSignatures)
-        if (bytes.starts_with(s.bytes)) return s.reader;
+        if (bytes.starts_with(s.bytes)) return s.open;
     return nullptr;
 }
 
 /// The same for a file; null if it is none of the formats.
-const char* readerFor(const fs::path& file) {
+Opener openerFor(const fs::path& file) {
     std::array<char, 16> head{};
     std::ifstream stream(file, std::ios::binary);
     stream.read(head.data(), head.size());
     const std::string_view found(head.data(), static_cast<size_t>(stream.gcount()));
-    if (const char* reader = readerOf(found)) return reader;
+    if (const Opener opener = openerOf(found)) return opener;
     std::string extension = file.extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return extension == ".tga" && !found.empty() ? "targa" : nullptr;
+    return extension == ".tga" && !found.empty() ? openTga : nullptr;
 }
 
-/// `fileSize`: in bytes, 0 where it is not known.
-void checkSize(const fs::path& file, const OIIO::ImageSpec& spec, uint64_t fileSize) {
-    const uint64_t values = static_cast<uint64_t>(std::max(spec.width, 0)) *
-                            static_cast<uint64_t>(std::max(spec.height, 0)) *
-                            static_cast<uint64_t>(std::max(spec.nchannels, 0));
-    if (values == 0) throw Error("cannot read image '{}': it has no pixels", file.string());
-    if (spec.width > kLargestSide || spec.height > kLargestSide || values > kMostValues)
-        throw Error(
-            "cannot read image '{}': {}x{} pixels of {} channels is more than the largest size of {} values",
-            file.string(), spec.width, spec.height, spec.nchannels, kMostValues);
-    const uint64_t bytes = values * spec.format.size();
-    if (bytes > kFreeBytes && fileSize > 0 && bytes / kMostExpansion > fileSize)
-        throw Error("cannot read image '{}': {}x{} pixels of {} channels are {}, which its {} cannot hold",
-                    file.string(), spec.width, spec.height, spec.nchannels, sizeText(bytes),
-                    sizeText(fileSize));
-}
+/// An image with its header read, and where its bytes come from.
+class OpenImage {
+  public:
+    OpenImage(Opener opener, const fs::path& file, std::unique_ptr<std::istream> stream, uint64_t bytes)
+        : file_(file), stream_(std::move(stream)) {
+        named([&] { decoder_ = opener(*stream_); });
+        checkSize(bytes);
+    }
 
-/// `bytes`, if not null, in place of the file, which has to live as long as the result.
-std::unique_ptr<OIIO::ImageInput> openWith(const char* reader, const fs::path& file, uint64_t fileSize,
-                                           OIIO::Filesystem::IOProxy* bytes) {
-    auto input = OIIO::ImageInput::create(reader);
-    if (!input) throw Error("cannot read image '{}': {}", file.string(), OIIO::geterror());
-    if (bytes && !input->supports("ioproxy"))
-        throw Error("cannot read image '{}': {} cannot be read from memory", file.string(), reader);
-    if (bytes) input->set_ioproxy(bytes);
-    OIIO::ImageSpec request, spec;
-    request.attribute("oiio:UnassociatedAlpha", 1);
-    if (!input->open(file.string(), spec, request))
-        throw Error("cannot read image '{}': {}", file.string(), input->geterror());
-    if (spec.deep)
-        throw Error("cannot read image '{}': it has deep pixels, expected flat ones", file.string());
-    if (spec.depth > 1) throw Error("cannot read image '{}': it is a volume", file.string());
-    checkSize(file, spec, fileSize);
-    return input;
-}
+    const ImageInfo& info() const { return decoder_->info(); }
+    const ImageDecoder& decoder() const { return *decoder_; }
+    std::vector<float> readPixels() {
+        std::vector<float> pixels;
+        named([&] { pixels = decoder_->readPixels(); });
+        return pixels;
+    }
+    /// Books the pixels to be kept, for which there must be room besides the file's.
+    void book(size_t channels, MemoryBudget* memory) const {
+        if (!memory) return;
+        const uint64_t pixels = static_cast<uint64_t>(info().width) * static_cast<uint64_t>(info().height);
+        named([&] {
+            memory->take(pixels * channels * sizeof(float), "the image");
+            memory->require(pixels * info().channels.size() * sizeof(float), "reading the image");
+        });
+    }
 
-std::unique_ptr<OIIO::ImageInput> openImage(const fs::path& file) {
+  private:
+    /// Errors of `action` with the name of the file.
+    template <class Action>
+    void named(const Action& action) const {
+        try {
+            action();
+        } catch (const Error& error) {
+            throw Error("cannot read image '{}': {}", file_.string(), error.what());
+        }
+    }
+
+    void checkSize(uint64_t fileBytes) const {
+        const ImageInfo& image = info();
+        const uint64_t channels = image.channels.size();
+        const uint64_t values = static_cast<uint64_t>(std::max(image.width, 0)) *
+                                static_cast<uint64_t>(std::max(image.height, 0)) * channels;
+        if (values == 0) throw Error("cannot read image '{}': it has no pixels", file_.string());
+        if (image.width > kLargestSide || image.height > kLargestSide || values > kMostValues)
+            throw Error(
+                "cannot read image '{}': {}x{} pixels of {} channels is more than the largest size of {} "
+                "values",
+                file_.string(), image.width, image.height, channels, kMostValues);
+        const uint64_t bytes = values * static_cast<uint64_t>(decoder_->valueBytes());
+        if (bytes > kFreeBytes && bytes / kMostExpansion > fileBytes)
+            throw Error(
+                "cannot read image '{}': {}x{} pixels of {} channels are {}, which its {} cannot hold",
+                file_.string(), image.width, image.height, channels, sizeText(bytes), sizeText(fileBytes));
+    }
+
+    fs::path file_;
+    std::unique_ptr<std::istream> stream_;
+    std::unique_ptr<ImageDecoder> decoder_;
+};
+
+OpenImage openImage(const fs::path& file) {
     std::error_code code;
     if (!fs::exists(file, code)) throw Error("cannot read image '{}': there is no such file", file.string());
     if (fs::is_directory(file, code)) throw Error("cannot read image '{}': it is a folder", file.string());
-    const char* reader = readerFor(file);
-    if (!reader)
+    const Opener opener = openerFor(file);
+    if (!opener)
         throw Error("cannot read image '{}': expected EXR, HDR, PNG, JPEG, BMP, TGA, TIFF, PFM or PPM",
                     file.string());
     const uint64_t size = fs::file_size(file, code);
-    return openWith(reader, file, code ? 0 : size, nullptr);
-}
-
-std::vector<float> readChannels(OIIO::ImageInput& input, const fs::path& file) {
-    const OIIO::ImageSpec& spec = input.spec();
-    std::vector<float> pixels(static_cast<size_t>(spec.width) * spec.height * spec.nchannels);
-    if (!input.read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, pixels.data()))
-        throw Error("cannot read image '{}': {}", file.string(), input.geterror());
-    return pixels;
-}
-
-/// Books the pixels to be kept, for which there must be room besides the file's.
-void bookImage(const fs::path& file, const OIIO::ImageSpec& spec, size_t channels, MemoryBudget* memory) {
-    if (!memory) return;
-    const uint64_t pixels = static_cast<uint64_t>(spec.width) * static_cast<uint64_t>(spec.height);
-    try {
-        memory->take(pixels * channels * sizeof(float), "the image");
-        memory->require(pixels * static_cast<uint64_t>(spec.nchannels) * sizeof(float), "reading the image");
-    } catch (const Error& error) {
-        throw Error("cannot read image '{}': {}", file.string(), error.what());
-    }
+    return {opener, file, std::make_unique<std::ifstream>(file, std::ios::binary),
+            code ? ~uint64_t{0} : size};
 }
 
 /// The given channels of interleaved pixels.
-std::vector<float> selectChannels(const std::vector<float>& pixels, int channels,
-                                  const std::vector<int>& selection) {
-    const size_t count = pixels.size() / static_cast<size_t>(channels);
+std::vector<float> selectChannels(const std::vector<float>& pixels, size_t channels,
+                                  const std::vector<size_t>& selection) {
+    const size_t count = pixels.size() / channels;
     std::vector<float> result;
     result.reserve(count * selection.size());
     for (size_t i = 0; i < count; ++i)
-        for (int c : selection)
-            result.push_back(pixels[i * static_cast<size_t>(channels) + static_cast<size_t>(c)]);
+        for (const size_t c : selection) result.push_back(pixels[i * channels + c]);
     return result;
 }
 
 /// Which channels of the file make the image.
-std::vector<int> imageChannels(const OIIO::ImageSpec& spec) {
-    const int r = spec.channelindex("R"), g = spec.channelindex("G"), b = spec.channelindex("B");
-    const int a = spec.channelindex("A"), y = spec.channelindex("Y");
-    std::vector<int> result;
-    if (r >= 0 && g >= 0 && b >= 0) {
+std::vector<size_t> imageChannels(const std::vector<std::string>& names) {
+    const auto find = [&](const char* name) {
+        return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    };
+    const size_t r = find("R"), g = find("G"), b = find("B"), a = find("A"), y = find("Y"),
+                 none = names.size();
+    std::vector<size_t> result;
+    if (r < none && g < none && b < none) {
         result = {r, g, b};
-        if (a >= 0) result.push_back(a);
-    } else if (y >= 0) {
+        if (a < none) result.push_back(a);
+    } else if (y < none) {
         result = {y};
-        if (a >= 0) result.push_back(a);
+        if (a < none) result.push_back(a);
     } else {
-        const int count = spec.nchannels <= 4 ? spec.nchannels : 3;
-        for (int c = 0; c < count; ++c) result.push_back(c);
+        for (size_t c = 0; c < (none <= 4 ? none : 3); ++c) result.push_back(c);
     }
     return result;
-}
-
-ImagePlace placeOf(const OIIO::ImageSpec& spec) {
-    if (spec.x == spec.full_x && spec.y == spec.full_y && spec.width == spec.full_width &&
-        spec.height == spec.full_height)
-        return {};
-    return {spec.x - spec.full_x, spec.y - spec.full_y, spec.full_width, spec.full_height};
 }
 
 /// Name of a channel in the file.
 std::string channelName(const ImageLayer& layer, const std::string& channel) {
     return layer.name == kAlphaLayer ? "A" : layer.name + "." + channel;
-}
-
-void setMetadata(OIIO::ImageSpec& spec, const Metadata& metadata) {
-    for (const auto& [name, value] : metadata) {
-        if (const auto* text = std::get_if<std::string>(&value)) spec.attribute(name, *text);
-        if (const auto* number = std::get_if<double>(&value))
-            spec.attribute(name, OIIO::TypeDesc(OIIO::TypeDesc::DOUBLE), number);
-        if (const auto* integer = std::get_if<int>(&value)) spec.attribute(name, *integer);
-        if (const auto* matrix = std::get_if<Matrix>(&value))
-            spec.attribute(name, OIIO::TypeMatrix44, matrix->data());
-    }
-}
-
-/// The bytes of a file. The libraries do not report every failure of a disk, so they never see one.
-std::string encode(const char* format, const OIIO::ImageSpec& spec, const OIIO::TypeDesc& type,
-                   const void* pixels) {
-    auto output = OIIO::ImageOutput::create(format);
-    if (!output) throw Error("cannot write {}: {}", format, OIIO::geterror());
-    OIIO::Filesystem::IOVecOutput memory;
-    const std::string name = fmt::format("image.{}", format);
-    if (!output->set_ioproxy(&memory) || !output->open(name, spec) || !output->write_image(type, pixels) ||
-        !output->close())
-        throw Error("cannot write {}: {}", format, output->geterror());
-    const std::vector<unsigned char>& bytes = memory.buffer();
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 void checkImage(const ImageData& image, bool mayBeGray = false) {
@@ -214,34 +187,27 @@ void checkImage(const ImageData& image, bool mayBeGray = false) {
                     image.width, image.height, image.channels, image.pixels.size());
 }
 
-std::string encodePng8(const ImageData& image, const std::vector<uint8_t>& bytes, const Metadata& metadata) {
-    OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
-    spec.attribute("oiio:ColorSpace", "sRGB");
-    setMetadata(spec, metadata);
-    return encode("png", spec, OIIO::TypeDesc::UINT8, bytes.data());
-}
-
 uint8_t toByte(float display) {
     return static_cast<uint8_t>(std::lround(255 * (display > 0 ? std::min(display, 1.0f) : 0.0f)));
 }
 
-ImageData decode(OIIO::ImageInput& input, const fs::path& file, bool raw, MemoryBudget* memory) {
-    const OIIO::ImageSpec& spec = input.spec();
+ImageData decode(OpenImage file, bool raw, MemoryBudget* memory) {
+    const ImageInfo& info = file.info();
     ImageData image;
-    image.width = spec.width;
-    image.height = spec.height;
-    image.place = placeOf(spec);
-    const std::vector<int> selection = imageChannels(spec);
+    image.width = info.width;
+    image.height = info.height;
+    image.place = info.place;
+    const std::vector<size_t> selection = imageChannels(info.channels);
     image.channels = static_cast<int>(selection.size());
-    bookImage(file, spec, selection.size(), memory);
-    image.pixels = readChannels(input, file);
-    if (image.channels != spec.nchannels)
-        image.pixels = selectChannels(image.pixels, spec.nchannels, selection);
+    file.book(selection.size(), memory);
+    image.pixels = file.readPixels();
+    if (selection.size() != info.channels.size())
+        image.pixels = selectChannels(image.pixels, info.channels.size(), selection);
 
-    if (!raw && !spec.format.is_floating_point()) {
+    if (!raw && !file.decoder().isFloat()) {
         const int colors = image.channels % 2 == 0 ? image.channels - 1 : image.channels;
         // Files of 8 bits have 256 values: a table saves the power function for each texel.
-        const bool bytes = spec.format == OIIO::TypeDesc::UINT8;
+        const bool bytes = file.decoder().valueBytes() == 1;
         std::array<float, 256> table;
         for (size_t v = 0; v < table.size(); ++v) table[v] = decodeSrgb(static_cast<float>(v) / 255.0f);
         for (size_t i = 0; i < image.pixels.size(); ++i) {
@@ -256,52 +222,33 @@ ImageData decode(OIIO::ImageInput& input, const fs::path& file, bool raw, Memory
 }  // namespace
 
 ImageData readImage(const fs::path& file, bool raw, MemoryBudget* memory) {
-    return decode(*openImage(file), file, raw, memory);
+    return decode(openImage(file), raw, memory);
 }
 
 ImageData readImageBytes(const std::string& name, std::string_view bytes, bool raw, MemoryBudget* memory) {
-    const char* reader = readerOf(bytes);
-    if (!reader) throw Error("cannot read image '{}': expected PNG, JPEG, EXR or another image", name);
-    OIIO::Filesystem::IOMemReader proxy(const_cast<char*>(bytes.data()), bytes.size());
-    const auto input = openWith(reader, name, bytes.size(), &proxy);
-    return decode(*input, name, raw, memory);
+    const Opener opener = openerOf(bytes);
+    if (!opener) throw Error("cannot read image '{}': expected PNG, JPEG, EXR or another image", name);
+    auto stream = std::make_unique<std::istringstream>(std::string(bytes));
+    return decode(OpenImage(opener, name, std::move(stream), bytes.size()), raw, memory);
 }
 
 std::string encodeExr(const ImageData& image, const std::vector<ImageLayer>& layers,
                       const Metadata& metadata) {
     checkImage(image, true);
     const size_t count = static_cast<size_t>(image.width) * static_cast<size_t>(image.height);
-    std::vector<std::string> names =
-        image.channels == 1 ? std::vector<std::string>{"Y"} : std::vector<std::string>{"R", "G", "B"};
-    const auto own = static_cast<std::ptrdiff_t>(image.channels);
+    std::vector<EncodedChannel> channels;
+    const auto add = [&](const std::string& name, const std::vector<float>& pixels, size_t c, size_t stride) {
+        channels.push_back({name, pixels.data() + c, stride});
+    };
+    if (image.channels == 1) add("Y", image.pixels, 0, 1);
+    for (size_t c = 0; c < 3 && image.channels == 3; ++c) add(std::string(1, "RGB"[c]), image.pixels, c, 3);
     for (const ImageLayer& layer : layers) {
         if (layer.pixels.size() != count * layer.channels.size())
             throw Error("cannot write the layer '{}': it does not have the size of the image", layer.name);
-        for (const std::string& channel : layer.channels) names.push_back(channelName(layer, channel));
+        for (size_t c = 0; c < layer.channels.size(); ++c)
+            add(channelName(layer, layer.channels[c]), layer.pixels, c, layer.channels.size());
     }
-    std::vector<float> pixels;
-    pixels.reserve(count * names.size());
-    for (size_t i = 0; i < count; ++i) {
-        pixels.insert(pixels.end(), image.pixels.begin() + own * static_cast<std::ptrdiff_t>(i),
-                      image.pixels.begin() + own * static_cast<std::ptrdiff_t>(i + 1));
-        for (const ImageLayer& layer : layers) {
-            const size_t n = layer.channels.size();
-            pixels.insert(pixels.end(), layer.pixels.begin() + static_cast<std::ptrdiff_t>(n * i),
-                          layer.pixels.begin() + static_cast<std::ptrdiff_t>(n * (i + 1)));
-        }
-    }
-    OIIO::ImageSpec spec(image.width, image.height, static_cast<int>(names.size()), OIIO::TypeDesc::FLOAT);
-    spec.channelnames = names;
-    if (image.place.isCrop()) {
-        spec.x = image.place.x;
-        spec.y = image.place.y;
-        spec.full_width = image.place.fullWidth;
-        spec.full_height = image.place.fullHeight;
-    }
-    spec.attribute("compression", "zip");
-    spec.attribute("chromaticities", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 8), kRec709);
-    setMetadata(spec, metadata);
-    return encode("openexr", spec, OIIO::TypeDesc::FLOAT, pixels.data());
+    return encodeExrChannels(image.width, image.height, image.place, channels, metadata);
 }
 
 void writeExr(const fs::path& file, const ImageData& image, const std::vector<ImageLayer>& layers,
@@ -309,55 +256,28 @@ void writeExr(const fs::path& file, const ImageData& image, const std::vector<Im
     writeFile(file, encodeExr(image, layers, metadata));
 }
 
-namespace {
+Metadata readMetadata(const fs::path& file) { return openImage(file).info().metadata; }
 
-Metadata metadataOf(const OIIO::ImageSpec& spec) {
-    Metadata result;
-    for (const OIIO::ParamValue& p : spec.extra_attribs) {
-        if (p.type() == OIIO::TypeDesc::STRING) result.emplace_back(p.name().string(), p.get_string());
-        if (p.type() == OIIO::TypeDesc::INT) result.emplace_back(p.name().string(), p.get_int());
-        if (p.type() == OIIO::TypeDesc::FLOAT) result.emplace_back(p.name().string(), double{p.get_float()});
-        if (p.type() == OIIO::TypeDesc::DOUBLE)
-            result.emplace_back(p.name().string(), *static_cast<const double*>(p.data()));
-        if (p.type() == OIIO::TypeMatrix44) {
-            Matrix matrix;
-            std::copy_n(static_cast<const float*>(p.data()), matrix.size(), matrix.begin());
-            result.emplace_back(p.name().string(), matrix);
-        }
-    }
-    return result;
-}
-
-}  // namespace
-
-Metadata readMetadata(const fs::path& file) { return metadataOf(openImage(file)->spec()); }
-
-ImageInfo readImageInfo(const fs::path& file) {
-    const auto input = openImage(file);
-    const OIIO::ImageSpec& spec = input->spec();
-    return {input->format_name(), spec.width,        spec.height,
-            placeOf(spec),        spec.channelnames, metadataOf(spec)};
-}
+ImageInfo readImageInfo(const fs::path& file) { return openImage(file).info(); }
 
 bool isImageFile(const fs::path& file) {
     std::error_code code;
-    return fs::is_regular_file(file, code) && readerFor(file);
+    return fs::is_regular_file(file, code) && openerFor(file);
 }
 
 ImageLayer readLayer(const fs::path& file, const std::string& name) {
-    const auto input = openImage(file);
-    const OIIO::ImageSpec& spec = input->spec();
+    OpenImage image = openImage(file);
+    const std::vector<std::string>& channels = image.info().channels;
     ImageLayer layer;
     layer.name = name;
-    std::vector<int> selection;
-    for (int c = 0; c < spec.nchannels; ++c) {
-        const std::string& channel = spec.channelnames[static_cast<size_t>(c)];
-        if (channel.rfind(name + ".", 0) != 0) continue;
-        layer.channels.push_back(channel.substr(name.size() + 1));
+    std::vector<size_t> selection;
+    for (size_t c = 0; c < channels.size(); ++c) {
+        if (!channels[c].starts_with(name + ".")) continue;
+        layer.channels.push_back(channels[c].substr(name.size() + 1));
         selection.push_back(c);
     }
     if (selection.empty()) throw Error("image '{}' has no layer '{}'", file.string(), name);
-    layer.pixels = selectChannels(readChannels(*input, file), spec.nchannels, selection);
+    layer.pixels = selectChannels(image.readPixels(), channels.size(), selection);
     return layer;
 }
 
@@ -373,7 +293,7 @@ std::vector<uint8_t> displayBytes(const ImageData& image, float exposure, ToneCu
 
 std::string encodePng(const ImageData& image, float exposure, ToneCurve curve, const Metadata& metadata) {
     checkImage(image);
-    return encodePng8(image, displayBytes(image, exposure, curve), metadata);
+    return encodePngBytes(image.width, image.height, displayBytes(image, exposure, curve), metadata);
 }
 
 void writePng(const fs::path& file, const ImageData& image, float exposure, ToneCurve curve,
@@ -385,7 +305,7 @@ std::string encodePngRaw(const ImageData& image, const Metadata& metadata) {
     checkImage(image);
     std::vector<uint8_t> bytes(image.pixels.size());
     for (size_t i = 0; i < bytes.size(); ++i) bytes[i] = toByte(image.pixels[i]);
-    return encodePng8(image, bytes, metadata);
+    return encodePngBytes(image.width, image.height, bytes, metadata);
 }
 
 void writePngRaw(const fs::path& file, const ImageData& image, const Metadata& metadata) {

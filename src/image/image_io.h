@@ -31,8 +31,8 @@ struct ImageData {
 };
 
 /// Reads EXR, HDR, PNG, JPEG, BMP, TGA, TIFF, PFM and PPM. Thread-safe. Which of them a file is, its first
-/// bytes say (TGA has none: there it is the name). OpenImageIO's other readers, of video for example, are
-/// never asked: what such a file names may be on another machine.
+/// bytes say (TGA has none: there it is the name). No format refers to other files: what one names may be on
+/// another machine.
 ///
 /// 1 channel is gray, 2 gray and alpha, 3 RGB, 4 RGB and alpha; alpha is not multiplied into the colors, nor
 /// divided out of them. Of a file with more channels R, G, B and A are taken. Integer pixels become linear
@@ -41,8 +41,8 @@ struct ImageData {
 /// pixels are booked, before anything is allocated.
 ImageData readImage(const std::filesystem::path& file, bool raw, MemoryBudget* memory = nullptr);
 
-/// The same of the bytes of a PNG, JPEG or another file that OpenImageIO reads from memory; `name` stands for
-/// it in messages.
+/// The same of the bytes of such a file, but for TGA, which they alone do not tell; `name` stands for it in
+/// messages.
 ImageData readImageBytes(const std::string& name, std::string_view bytes, bool raw,
                          MemoryBudget* memory = nullptr);
 
@@ -67,7 +67,7 @@ void writeExr(const std::filesystem::path& file, const ImageData& image,
 /// The bytes of that file.
 std::string encodeExr(const ImageData& image, const std::vector<ImageLayer>& layers = {},
                       const Metadata& metadata = {});
-/// Attributes of an image file of the types that Metadata knows, as OpenImageIO names them.
+/// Attributes of an image file of the types that Metadata knows: of EXR, and the text in PNG.
 Metadata readMetadata(const std::filesystem::path& file);
 /// What an image file says of itself.
 struct ImageInfo {

@@ -279,8 +279,7 @@ class Supervisor {
         ++next_;
     }
 
-    /// A program of its own: libraries start threads before main() that a fork does not have, and wait for
-    /// them at exit (log4cplus, which OpenImageIO brings).
+    /// A program of its own: a fork does not have the threads that libraries have started.
     [[noreturn]] void becomeChild(double seconds, int pipe) const {
         const uint64_t left = settings_.count - (next_ - settings_.seed);
         std::vector<std::string> words{

@@ -11,12 +11,6 @@
 #include <chrono>
 #include <functional>
 
-#ifdef __SANITIZE_ADDRESS__
-// libpng jumps out of OpenImageIO's read callback over a string: of a truncated PNG the library leaks its
-// message.
-extern "C" const char* __lsan_default_suppressions() { return "leak:ImageInput::geterror"; }
-#endif
-
 namespace metrolux::core {
 namespace {
 

@@ -125,11 +125,32 @@ LightPtr makeProjectorLight(const Element& element, LoadContext& context) {
     return makeProjector(p);
 }
 
-/// Neither Mitsuba's, nor another one's parameters: a luminaire of a manufacturer's file.
+/// The intensities of an image: rows from the axis to its other end, columns around it.
+PhotometricWeb webOf(const Element& element, const ImageData& image) {
+    if (image.height < 2)
+        throw element.error(fmt::format("found an image of {} rows, expected 2 at least", image.height));
+    PhotometricWeb web;
+    const auto angle = [](int i, int n, double whole) { return static_cast<float>(whole * i / n); };
+    for (int y = 0; y < image.height; ++y) web.vertical.push_back(angle(y, image.height - 1, 180));
+    for (int x = 0; x < image.width; ++x) {
+        web.horizontal.push_back(angle(x, image.width, 360));
+        for (int y = 0; y < image.height; ++y) {
+            const float* v = image.at(x, y);
+            web.values.push_back(image.channels >= 3 ? luminance({v[0], v[1], v[2]}) : v[0]);
+        }
+    }
+    return web;
+}
+
+/// Neither Mitsuba's, nor another one's parameters: a luminaire of a manufacturer's file, or of an image.
 LightPtr makeGoniometric(const Element& element, LoadContext& context) {
     GoniometricLightParameters p;
     p.toWorld = placement(element, context);
     p.scale = emissionColor(element, "intensity", context, Rgb(1.0f));
+    if (element.has("data") || element.string("filename", "").ends_with(".exr")) {
+        p.web = webOf(element, context.image(element, true));
+        return makeGoniometricLight(std::move(p));
+    }
     std::vector<std::string> warnings;
     p.web = readIes(context.resolve(element, element.requiredString("filename")), warnings, &context.memory);
     for (const std::string& warning : warnings) context.warn(element, warning);

@@ -135,10 +135,7 @@ struct LightMaker {
             reading.warn(p.error(
                 "the image is twice as wide as high: read as latitude and longitude, as pbrt 3 does"));
         const auto lookUp = [&](const Vec3d& d) {
-            if (isSquare) {
-                const Vec2f uv = squareOf(d);
-                return pixel(source, double(uv.x), double(uv.y));
-            }
+            if (isSquare) return pixelOver(d, source);
             double turn = std::atan2(d.y, d.x) / (2 * kPiD2);
             turn -= std::floor(turn);
             return pixel(source, turn, std::acos(std::clamp(d.z, -1.0, 1.0)) / kPiD2);
@@ -230,13 +227,39 @@ struct LightMaker {
             .done();
     }
 
+    /// Intensity by an equal-area image whose z is y of the light.
     ElementPtr goniometric() const {
-        reading.refuse(
-            p.error("an intensity by an image of directions is not supported (luminaires of .ies files are, "
-                    "as Mitsuba's emitter \"goniometric\" of a converted scene)"),
-            "a point light of the same scale stands in");
-        p.ignore({"filename"});
-        return point();
+        const ImageData source = image();
+        if (source.width != source.height)
+            throw p.error(fmt::format("found an image of {} x {} pixels, expected a square one (equal-area)",
+                                      source.width, source.height));
+        constexpr int kMostRows = 721;
+        const int height = std::clamp(source.height, 3, kMostRows), width = 2 * height;
+        reading.memory.take(static_cast<uint64_t>(height) * static_cast<uint64_t>(width) * sizeof(float),
+                            "the light");
+        auto pixels = std::make_shared<std::vector<float>>();
+        double sum = 0, weights = 0;
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                const double theta = kPiD2 * y / (height - 1), phi = 2 * kPiD2 * x / width;
+                const Rgb c = pixelOver(
+                    {std::sin(theta) * std::cos(phi), -std::sin(theta) * std::sin(phi), std::cos(theta)},
+                    source);
+                pixels->push_back((c.x + c.y + c.z) / 3);
+                sum += std::sin(theta) * double(pixels->back());
+                weights += std::sin(theta);
+            }
+        const Transform turned =
+            Transform::fromRows({{1, 0, 0, 0}, {0, 0, 1, 0}, {0, -1, 0, 0}, {0, 0, 0, 1}});
+        return Maker("emitter", "goniometric", p.where())
+            .with("to_world", settledMap(unscaled(toWorld) * turned))
+            .with("intensity", RgbValue{scaled("I", "power", 4 * kPiD2 * std::max(sum / weights, 1e-30))})
+            .with("data", PixelArray{width, height, 1, *pixels, pixels})
+            .done();
+    }
+    static Rgb pixelOver(const Vec3d& direction, const ImageData& image) {
+        const Vec2f uv = squareOf(direction);
+        return pixel(image, double(uv.x), double(uv.y));
     }
 };
 

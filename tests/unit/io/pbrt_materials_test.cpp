@@ -294,6 +294,7 @@ Rotate 33 1 0.2 0.1 Translate 0.1 0.2 0.9 ObjectInstance "o" Scale 1 -0.5 0.3 Ob
 AttributeBegin Identity LightSource "infinite" "string filename" "image.png" "float scale" 0.1 AttributeEnd
 AttributeBegin Identity Rotate 40 1 1 1 LightSource "projection" "string filename" "image.png" "float fov" 40 "float scale" 3 AttributeEnd
 Identity LightSource "spot" "point3 from" [1 1 4] "float scale" 9
+Translate 1 2 3 Rotate 20 1 2 3 LightSource "goniometric" "string filename" "image.png" "float scale" 5
 Material "mix" "string materials" ["x" "y"] "float amount" 0.3
 )";
     std::string room = kRoom;

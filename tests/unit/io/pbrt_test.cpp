@@ -88,6 +88,25 @@ TEST(Pbrt, AnEqualAreaImageLightsFromItsDirections) {
                 {0, 0, 0});
 }
 
+TEST(Pbrt, AnImageShapesTheIntensityOfAGoniometricLight) {
+    // White over the half of the directions with y > 0 (pbrt's image has y and z exchanged).
+    ImageData image{32, 32, 3, std::vector<float>(32 * 32 * 3)};
+    for (int y = 0; y < 32; ++y)
+        for (int x = 0; x < 32; ++x)
+            if (std::abs(x - 15.5f) + std::abs(y - 15.5f) < 16)
+                for (int c = 0; c < 3; ++c) image.pixels[static_cast<size_t>(3 * (32 * y + x) + c)] = 1;
+    const auto lit = [&](const std::string& turn, const std::string& more) {
+        return seenWithImage(image,
+                             pbrtScene("Translate 0 0 2\n" + turn +
+                                       "\nLightSource \"goniometric\" \"string filename\" \"image.png\" " +
+                                       more + "\nIdentity\nMaterial \"diffuse\"\n" + kQuad),
+                             20);
+    };
+    expectGray(lit("Rotate -90 1 0 0", "\"float scale\" 8"), 1 / kPiF);  // its y downward
+    expectGray(lit("Rotate 90 1 0 0", "\"float scale\" 8"), 0);
+    EXPECT_NEAR(lit("Rotate -90 1 0 0", "\"float power\" 100").x, 0.5f / kPiF / 4 * 100 / (2 * kPiF), 0.02);
+}
+
 TEST(Pbrt, AreaLights) {
     const std::string lamp = R"(AreaLightSource "diffuse" "rgb L" [3 2 1] "float scale" 2 )";
     const std::string behind = "0 0 -3";
@@ -302,7 +321,6 @@ TEST(Pbrt, RefusalsNameTheirPlace) {
         {"Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
          "found no texture of the name \"t\""},
         {"Texture \"t\" \"spectrum\" \"marble\"", "textures of the class \"marble\" are not supported"},
-        {"LightSource \"goniometric\" \"string filename\" \"a.exr\"", "is not supported"},
         {"MakeNamedMedium \"m\" \"string type\" \"homogeneous\"", "participating media"},
         {"MediumInterface \"m\" \"\"", "participating media"},
         {"AttributeEnd", "found AttributeEnd without its beginning"},
@@ -327,8 +345,8 @@ TEST(Pbrt, LenientlyWhatIsUnknownHasAStandIn) {
          {"Shape \"nurbs\" \"float width\" 1", "Material \"hair\" \"float eumelanin\" 1 Shape \"sphere\"",
           "Texture \"t\" \"spectrum\" \"marble\" Material \"diffuse\" \"texture reflectance\" \"t\" Shape "
           "\"disk\"",
-          "LightSource \"goniometric\" \"string filename\" \"a.exr\"", "Shape \"sphere\" \"float what\" 1",
-          "MediumInterface \"a\" \"b\"", "AreaLightSource \"odd\" Shape \"sphere\""}) {
+          "Shape \"sphere\" \"float what\" 1", "MediumInterface \"a\" \"b\"",
+          "AreaLightSource \"odd\" Shape \"sphere\""}) {
         const SceneParts parts =
             loadedPbrt(pbrtScene("LightSource \"infinite\"\n" + std::string(text)), lenient);
         ASSERT_EQ(parts.warnings.size(), 1u) << text;

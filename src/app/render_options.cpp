@@ -104,7 +104,8 @@ void addSliceOptions(CLI::App& app, RenderArguments& a) {
 }
 
 void addRenderOptions(CLI::App& app, RenderArguments& a) {
-    app.add_option("scene", a.scene, "Mitsuba scene: XML of version 3.x, 2.x, 0.6 or 0.5")->required();
+    app.add_option("scene", a.scene, "Mitsuba scene (XML of version 3.x, 2.x, 0.6 or 0.5), glTF, or pbrt")
+        ->required();
     addSceneOptions(app, a);
     addOutputOptions(app, a);
     app.add_option(

@@ -118,6 +118,9 @@ integrator-pictures: build  ## the pictures of docs/lab/integrators.md
 tutorial-pictures: build setup-python  ## the pictures of the tutorials in Python
 	tools/tutorial_pictures.sh $(BUILD)
 
+view-picture: build setup-browser  ## the picture of the live view's page
+	tools/view_picture.sh $(BUILD)
+
 parameters: build  ## the page of the integrators' parameters, docs/reference/parameters.md
 	$(BUILD)/metrolux integrators --markdown > docs/reference/parameters.md
 

@@ -46,6 +46,9 @@ struct Internals {
         return Scene(std::make_shared<const Scene::Impl>(std::move(impl)));
     }
     static Session::Impl& of(Session& session) { return *session.impl_; }
+    /// Drops the pass in progress within milliseconds: step() or render() throws core::Canceled, and the
+    /// session is of no use any more. Any thread may call it while the session exists.
+    static void cancel(Session& session) noexcept;
     /// As Session::resume(), from what has been read.
     static void restore(Session& session, core::Checkpoint checkpoint, bool otherBuild);
 };

@@ -136,7 +136,7 @@ Session::Session(Session&&) noexcept = default;
 Session& Session::operator=(Session&&) noexcept = default;
 
 Progress Session::step() {
-    impl_->workers.execute([this] { impl_->session->step(); });
+    impl_->workers.executeCancelable([this] { return impl_->session->step(); });
     return progress();
 }
 
@@ -146,7 +146,7 @@ Outcome Session::render(const Limits& limits, const Hooks& hooks, const Files& f
     core::RunHooks watch = core::api::runHooks(hooks);
     watch.interrupted = [&] { return impl_->stop.load() || (hooks.stop && hooks.stop()); };
     const core::SessionResult result =
-        impl_->workers.execute([&] { return impl_->session->run(run, watch); });
+        impl_->workers.executeCancelable([&] { return impl_->session->run(run, watch); });
     impl_->stop.store(false);
     return core::api::outcomeOf(result);
 }
@@ -236,6 +236,8 @@ void Session::resume(const std::filesystem::path& checkpoint, bool otherBuild) {
                           impl_->session->film().passes());
     Internals::restore(*this, core::readCheckpoint(checkpoint, version()), otherBuild);
 }
+
+void Internals::cancel(Session& session) noexcept { of(session).workers.cancel(); }
 
 void Internals::restore(Session& session, core::Checkpoint checkpoint, bool otherBuild) {
     Session::Impl& impl = of(session);

@@ -31,6 +31,7 @@ bool wantsAllSensors(const RenderArguments& a) { return a.sensor == "all"; }
 int renderAllSensors(const RenderArguments& a) {
     if (!a.files.checkpoint.empty() || a.slices > 0)
         throw Error("--sensor all: checkpoints and slices are of one rendering, name one sensor");
+    if (a.live.isWanted()) throw Error("--sensor all: --serve and --tev show one rendering, name one sensor");
     metrolux::LoadOptions options = loadOptions(a);
     options.sensor.clear();
     const std::vector<std::string> sensors = sensorNames(a.scene, api::coreOptions(options));

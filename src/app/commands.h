@@ -18,6 +18,7 @@ enum ExitStatus : int {
 /// A subcommand is set up with its options and says how to run it.
 using Run = std::function<int()>;
 Run addRenderCommand(CLI::App& parent);
+Run addViewCommand(CLI::App& parent);
 Run addResumeCommand(CLI::App& parent);
 Run addMergeCommand(CLI::App& parent);
 Run addCompareCommand(CLI::App& parent);

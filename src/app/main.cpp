@@ -27,6 +27,7 @@ constexpr const char* kDescription =
 
 constexpr const char* kExamples = R"(Examples:
   metrolux render scene.xml -o image.exr -o image.png --time 5m
+  metrolux view scene.xml
   metrolux resume image.checkpoint
   metrolux merge part0 part1 part2 -o image.exr
   metrolux compare image.exr reference.exr --heatmap errors.png
@@ -72,9 +73,9 @@ int runCommandLine(int argc, char** argv) {
                           "Show the version and exit");
     root.require_subcommand(0, 1);
     std::vector<Command> commands;
-    for (auto* add : {&addRenderCommand, &addResumeCommand, &addMergeCommand, &addCompareCommand,
-                      &addStudyCommand, &addBenchCommand, &addInfoCommand, &addConvertCommand,
-                      &addIntegratorsCommand}) {
+    for (auto* add :
+         {&addRenderCommand, &addViewCommand, &addResumeCommand, &addMergeCommand, &addCompareCommand,
+          &addStudyCommand, &addBenchCommand, &addInfoCommand, &addConvertCommand, &addIntegratorsCommand}) {
         Run run = add(root);
         commands.push_back(
             {root.get_subcommands([](const CLI::App*) { return true; }).back(), std::move(run)});

@@ -66,6 +66,8 @@ void JsonProgress::pass(const metrolux::Progress& p) {
     put(line);
 }
 
+void JsonProgress::page(const std::string& url) const { put({{"event", "page"}, {"url", url}}); }
+
 void JsonProgress::log(const char* level, const std::string& text) const {
     put({{"event", "log"}, {"level", level}, {"text", text}});
 }

@@ -18,6 +18,8 @@ class JsonProgress {
                int threads) const;
     /// At most every tenth of a second.
     void pass(const metrolux::Progress& progress);
+    /// Where a page shows the rendering.
+    void page(const std::string& url) const;
     void log(const char* level, const std::string& text) const;
     void end(const metrolux::Outcome& outcome, const std::vector<std::string>& images, int status) const;
     /// In place of end(), for a rendering that cannot be.

@@ -1,11 +1,13 @@
 #include "app/all_sensors.h"
 #include "app/commands.h"
 #include "app/interrupt.h"
+#include "app/live_options.h"
 #include "app/progress_json.h"
 #include "app/render_options.h"
 #include "base/error.h"
 #include "image/atomic_file.h"
 #include "render/progress.h"
+#include "view/watched.h"
 
 #include <metrolux/log.h>
 
@@ -25,6 +27,7 @@ constexpr const char* kExamples = R"(Examples:
   metrolux render scene.xml -o a.exr --aov albedo,normal,depth,variance --stats a.json
   metrolux render scene.xml -o a.exr --passes 6400 --slices 64 --only-slices 0-7 --checkpoint part0
   mpirun -n 16 metrolux render scene.xml -o a.exr --passes 6400 --slices 64
+  metrolux render scene.xml --serve                    # prints the address of a page that shows it
   metrolux render scene.xml -o a.exr --time 8h --checkpoint a.checkpoint   # `metrolux resume` goes on from it
 
 Ctrl-C ends the pass in progress, writes the image and exits with status 3; a second Ctrl-C exits at once.
@@ -91,10 +94,7 @@ class Reporter {
           line_(ProgressReporter::modeFor(stderr, a.quiet || a.progress != "text")),
           speaksJson_(a.progress == "json" && a.rank == 0) {
         metrolux::setLog([this](metrolux::LogLevel level, const std::string& message) {
-            const bool warning = level == metrolux::LogLevel::Warning;
-            line_.finish();
-            spdlog::log(warning ? spdlog::level::warn : spdlog::level::info, "{}", message);
-            if (speaksJson_) json_.log(warning ? "warning" : "info", message);
+            say(level == metrolux::LogLevel::Warning, message);
         });
     }
     ~Reporter() { metrolux::setLog({}); }
@@ -112,6 +112,11 @@ class Reporter {
                      arguments_.verbose ? p.note : "");
         if (speaksJson_) json_.pass(p);
     }
+    void page(const std::string& url) {
+        tellPage(url);
+        if (speaksJson_) json_.page(url);
+    }
+    void warn(const std::string& message) { say(true, message); }
     /// Reports what became of the files; the exit status.
     int end(const metrolux::Outcome& outcome, const std::string& statistics) {
         line_.finish();
@@ -122,6 +127,12 @@ class Reporter {
     }
 
   private:
+    void say(bool warning, const std::string& message) {
+        line_.finish();
+        spdlog::log(warning ? spdlog::level::warn : spdlog::level::info, "{}", message);
+        if (speaksJson_) json_.log(warning ? "warning" : "info", message);
+    }
+
     const RenderArguments& arguments_;
     ProgressReporter line_;
     JsonProgress json_;
@@ -129,24 +140,41 @@ class Reporter {
 };
 
 /// The scene, and what of the options depends on it.
-metrolux::Scene prepared(RenderArguments& a) {
-    prepareRender(a);
-    catchInterrupts();
+metrolux::Scene loaded(RenderArguments& a) {
     metrolux::Scene scene = metrolux::Scene::load(a.scene, loadOptions(a));
     if (a.rank == 0) checkDistinct(namedOutputs(a), Internals::of(scene).files);
     completeAlgorithm(a, *Internals::of(scene).scene);
     return scene;
 }
 
+/// For those who watch; null if nobody is to.
+std::unique_ptr<view::LiveView> makeLiveView(const RenderArguments& a, Reporter& reporter) {
+    if (!a.live.isWanted()) return nullptr;
+    auto live = std::make_unique<view::LiveView>(liveOptions(a.live), boardInfo(a));
+    if (!live->url().empty()) reporter.page(live->url());
+    return live;
+}
+
 int renderAlone(RenderArguments& a, std::optional<Checkpoint> before) {
     if (a.quiet) spdlog::set_level(spdlog::level::warn);
     Reporter reporter(a);
-    const metrolux::Scene scene = prepared(a);
+    prepareRender(a);
+    catchInterrupts();
+    const std::unique_ptr<view::LiveView> live = makeLiveView(a, reporter);
+    const metrolux::Scene scene = loaded(a);
     metrolux::Session session(scene, a.session);
     if (before) Internals::restore(session, *std::move(before), a.otherBuild);
     reporter.begin(scene, session.integrator(), session.threads());
-    const metrolux::Hooks hooks{[&](const metrolux::Progress& p) { reporter.pass(p); }, interruptRequested};
-    const metrolux::Outcome outcome = session.render(a.limits, hooks, a.files);
+    const metrolux::Hooks hooks{[&](const metrolux::Progress& p) {
+                                    reporter.pass(p);
+                                    if (live)
+                                        for (const std::string& text : live->takeWarnings())
+                                            reporter.warn(text);
+                                },
+                                interruptRequested};
+    const metrolux::Outcome outcome =
+        live ? view::renderWatched(session, a.limits, hooks, a.files, live->board())
+             : session.render(a.limits, hooks, a.files);
     return reporter.end(outcome, session.statistics());
 }
 
@@ -154,7 +182,9 @@ int renderAlone(RenderArguments& a, std::optional<Checkpoint> before) {
 int renderTogether(Team& team, RenderArguments& a, std::optional<Checkpoint> before) {
     if (a.quiet) spdlog::set_level(a.rank > 0 ? spdlog::level::err : spdlog::level::warn);
     Reporter reporter(a);
-    const metrolux::Scene scene = prepared(a);
+    prepareRender(a);
+    catchInterrupts();
+    const metrolux::Scene scene = loaded(a);
     Workers workers(a.session.threads);
     return workers.execute([&] {
         SessionOptions options = api::coreOptions(scene, a.session);
@@ -185,6 +215,8 @@ int render(RenderArguments& a, std::optional<Checkpoint> before) {
     }
     // An error of one process ends all: the others would wait for it.
     try {
+        if (a.live.isWanted())
+            throw Error("--serve and --tev are for a rendering of one process, found {}", team->size());
         if (a.slices == 0 || !a.onlySlices.empty())
             throw Error(
                 "{} processes share the slices of a rendering: give --slices S, without --only-slices",

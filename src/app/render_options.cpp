@@ -1,5 +1,6 @@
 #include "app/render_options.h"
 
+#include "app/live_options.h"
 #include "app/option_parsing.h"
 #include "app/parameter_options.h"
 #include "app/validators.h"
@@ -51,9 +52,8 @@ void addProgressOptions(CLI::App& app, RenderArguments& a, const std::string& gr
         ->group(group);
 }
 
-void addLimitOptions(CLI::App& app, RenderArguments& a) {
-    const std::string group =
-        fmt::format("When to stop (whichever comes first; without any: --time {}s)", kDefaultSeconds);
+void addLimitOptions(CLI::App& app, RenderArguments& a, const std::string& otherwise) {
+    const std::string group = fmt::format("When to stop (whichever comes first; without any: {})", otherwise);
     app.add_option("--time", a.time, "Time to render for: 90s, 5m, 1h30m; loading is not counted")
         ->option_text("TIME")
         ->group(group);
@@ -116,7 +116,8 @@ void addRenderOptions(CLI::App& app, RenderArguments& a) {
         ->option_text("TIME")
         ->group("Output");
     addProgressOptions(app, a, "Output");
-    addLimitOptions(app, a);
+    addServeOptions(app, a.live);
+    addLimitOptions(app, a, fmt::format("--time {}s", kDefaultSeconds));
     addCheckpointOptions(app, a);
     addSliceOptions(app, a);
     addAlgorithmOptions(app, a);

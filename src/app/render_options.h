@@ -9,6 +9,13 @@
 
 namespace metrolux::core::app {
 
+/// How a rendering can be watched (app/live_options.h).
+struct LiveArguments {
+    bool serves = false, always = false, staysClosed = false;
+    std::string port, address, tev;
+    bool isWanted() const { return serves || !tev.empty(); }
+};
+
 struct RenderArguments {
     std::string scene, time, error, saveEvery, memory, sceneMemory, resolution, crop, filter, sensor, stats,
         checkpointEvery, onlySlices;
@@ -17,6 +24,7 @@ struct RenderArguments {
     metrolux::SessionOptions session;
     metrolux::Limits limits;
     metrolux::Files files;
+    LiveArguments live;
     int rank = 0;  ///< in a team: files are written by rank 0
     std::string progress = "text";
     bool lenient = false, strict = false, quiet = false, verbose = false;
@@ -31,8 +39,8 @@ void addStrictnessOptions(CLI::App& app, bool& lenient, bool& strict, const std:
 void addOutputOptions(CLI::App& app, RenderArguments& a);
 /// --progress, --verbose.
 void addProgressOptions(CLI::App& app, RenderArguments& a, const std::string& group);
-/// --time, --passes, --error.
-void addLimitOptions(CLI::App& app, RenderArguments& a);
+/// --time, --passes, --error. `otherwise`: what holds without any.
+void addLimitOptions(CLI::App& app, RenderArguments& a, const std::string& otherwise);
 /// --checkpoint, --checkpoint-every.
 void addCheckpointOptions(CLI::App& app, RenderArguments& a);
 /// --slices, --only-slices.

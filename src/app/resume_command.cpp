@@ -60,6 +60,7 @@ RenderArguments argumentsOf(const Checkpoint& checkpoint, const ResumeArguments&
     RenderArguments result;
     parseCommand(checkpoint.command, result);
     result.files.command = checkpoint.command;
+    result.live = {};
     result.outputs = a.overrides.outputs.empty() ? checkpoint.outputs : a.overrides.outputs;
     result.session.threads = a.overrides.session.threads;
     result.quiet = a.overrides.quiet;
@@ -110,7 +111,7 @@ Run addResumeCommand(CLI::App& parent) {
         "--other-build", overrides.otherBuild,
         "Go on although another build of this version, or another kind of machine, has written\nthe "
         "checkpoint: the image is right, its last bits could differ");
-    addLimitOptions(*app, overrides);
+    addLimitOptions(*app, overrides, "those of the render command");
     return [arguments] { return resume(*arguments); };
 }
 

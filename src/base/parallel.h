@@ -1,8 +1,10 @@
 #pragma once
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
 
 #include <cstddef>
+#include <exception>
 
 #if defined(__SANITIZE_THREAD__)
 #define METROLUX_UNDER_THREAD_SANITIZER 1
@@ -18,13 +20,17 @@
 
 #include <algorithm>
 #include <atomic>
-#include <exception>
 #include <mutex>
 #include <thread>
 #include <vector>
 #endif
 
 namespace metrolux::core {
+
+/// Out of parallelFor() when its task group was canceled (Workers::cancel): some indices have not been run.
+struct Canceled : std::exception {
+    const char* what() const noexcept override { return "canceled"; }
+};
 
 #ifdef METROLUX_UNDER_THREAD_SANITIZER
 
@@ -65,6 +71,7 @@ void parallelFor(size_t n, Body&& body) {
     tbb::parallel_for(tbb::blocked_range<size_t>(0, n, 1), [&](const tbb::blocked_range<size_t>& range) {
         for (size_t i = range.begin(); i != range.end(); ++i) body(i);
     });
+    if (tbb::is_current_task_group_canceling()) throw Canceled();
 }
 
 #endif

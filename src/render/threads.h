@@ -1,6 +1,9 @@
 #pragma once
+#include "base/parallel.h"
+
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <optional>
 
@@ -38,9 +41,23 @@ class Workers {
         return arena_.execute(body);
     }
 
+    /// The same, but cancel() ends it within milliseconds: then, and ever after, it throws Canceled.
+    template <class Body>
+    auto executeCancelable(Body&& body) {
+        return arena_.execute([&] {
+            std::optional<decltype(body())> result;
+            tbb::task_group group(context_);
+            if (group.run_and_wait([&] { result.emplace(body()); }) == tbb::canceled) throw Canceled();
+            return *std::move(result);
+        });
+    }
+    /// Any thread may call it.
+    void cancel() noexcept { context_.cancel_group_execution(); }
+
   private:
     std::optional<tbb::global_control> more_;  ///< than there are cores
     tbb::task_arena arena_;
+    tbb::task_group_context context_;
 };
 
 }  // namespace metrolux::core

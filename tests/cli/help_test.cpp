@@ -17,6 +17,7 @@ using testing::IsEmpty;
 TEST_F(CliTest, HelpTeachesWithExamples) {
     for (const std::vector<std::string>& command : {std::vector<std::string>{"--help"},
                                                     {"render", "--help"},
+                                                    {"view", "--help"},
                                                     {"resume", "--help"},
                                                     {"merge", "--help"},
                                                     {"compare", "--help"},

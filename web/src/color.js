@@ -7,7 +7,7 @@ for (let i = 0; i <= kTableSize; ++i) {
   kSrgb[i] = Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
 }
 
-function encode(value) {
+export function encode(value) {
   if (!(value > 0)) return 0;
   return value >= 1 ? 255 : kSrgb[(value * kTableSize + 0.5) | 0];
 }

@@ -42,9 +42,10 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
      {"base", "spatial", "image", "geometry", "endpoint", "scene", "transport", "wavefront", "integrators",
       "render"}},
     {"api", {"base", "image", "geometry", "endpoint", "scene", "integrators", "io", "render"}},
+    {"view", {"base", "image", "geometry", "endpoint", "scene", "integrators", "io", "render", "api"}},
     {"app",
      {"base", "sampling", "image", "geometry", "scattering", "endpoint", "scene", "integrators", "io",
-      "render", "study", "api"}},
+      "render", "study", "api", "view"}},
 };
 
 struct Include {
@@ -98,7 +99,7 @@ TEST(ModuleOrder, TheOrderItselfHasNoCycle) {
     const std::vector<std::string> order = {"base",       "sampling",    "spatial", "image",     "geometry",
                                             "scattering", "endpoint",    "scene",   "transport", "wavefront",
                                             "markov",     "integrators", "io",      "render",    "mpi",
-                                            "study",      "api",         "app"};
+                                            "study",      "api",         "view",    "app"};
     std::set<std::string> above;
     for (const std::string& module : order) {
         for (const std::string& included : kMayInclude.at(module))

@@ -41,7 +41,7 @@ void addServeOptions(CLI::App& app, LiveArguments& a) {
 }
 
 void addPortOptions(CLI::App& app, LiveArguments& a) {
-    a.serves = a.always = true;
+    a.serves = true;
     app.add_option("--port", a.port, "Port of the page (default: one that is free)")
         ->option_text("PORT")
         ->group(kGroup);
@@ -57,8 +57,7 @@ view::LiveOptions liveOptions(const LiveArguments& a) {
     if (!a.port.empty()) {
         const auto [end, code] = std::from_chars(a.port.data(), a.port.data() + a.port.size(), options.port);
         if (code != std::errc() || end != a.port.data() + a.port.size() || options.port == 0)
-            throw Error("'{}' is not a port, expected a number from 1 to 65535{}", a.port,
-                        a.always ? "" : "; with --serve alone, name the scene before it");
+            throw Error("'{}' is not a port, expected a number from 1 to 65535", a.port);
     }
     return options;
 }

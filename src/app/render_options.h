@@ -11,7 +11,7 @@ namespace metrolux::core::app {
 
 /// How a rendering can be watched (app/live_options.h).
 struct LiveArguments {
-    bool serves = false, always = false, staysClosed = false;
+    bool serves = false, staysClosed = false;
     std::string port, address, tev;
     bool isWanted() const { return serves || !tev.empty(); }
 };

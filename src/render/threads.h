@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
+#include <atomic>
 #include <optional>
 
 namespace metrolux::core {
@@ -45,6 +46,7 @@ class Workers {
     template <class Body>
     auto executeCancelable(Body&& body) {
         return arena_.execute([&] {
+            if (canceled_) throw Canceled();
             std::optional<decltype(body())> result;
             tbb::task_group group(context_);
             if (group.run_and_wait([&] { result.emplace(body()); }) == tbb::canceled) throw Canceled();
@@ -52,12 +54,16 @@ class Workers {
         });
     }
     /// Any thread may call it.
-    void cancel() noexcept { context_.cancel_group_execution(); }
+    void cancel() noexcept {
+        canceled_ = true;
+        context_.cancel_group_execution();
+    }
 
   private:
     std::optional<tbb::global_control> more_;  ///< than there are cores
     tbb::task_arena arena_;
     tbb::task_group_context context_;
+    std::atomic<bool> canceled_{false};
 };
 
 }  // namespace metrolux::core

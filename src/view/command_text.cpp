@@ -21,6 +21,7 @@ double number(const nlohmann::json& json, const char* name, double otherwise, do
 
 int wholeNumber(const nlohmann::json& json, const char* name) {
     constexpr double kMost = 1 << 24;
+    if (!json.contains(name)) throw Error("{}: found nothing, expected a whole number", name);
     const double value = number(json, name, NAN, 0, kMost);
     if (value != std::floor(value)) throw Error("{}: expected a whole number", name);
     return static_cast<int>(value);

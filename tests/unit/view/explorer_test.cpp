@@ -117,8 +117,10 @@ TEST_F(ExplorerTest, APauseLastsUntilItIsOver) {
 }
 
 TEST_F(ExplorerTest, ANewCameraEndsTheLongestPass) {
-    // A pass of this takes many seconds.
-    start(lampScene(3000, 2000));
+    // A pass of this takes seconds.
+    ExplorerOptions options;
+    options.session.integrator = "vcm";
+    start(lampScene(1600, 1200), options);
     waitFor([](const BoardState& s) {
         return s.sides.size() == 1 && s.sides[0].frame && s.sides[0].frame->scale == 2;
     });
@@ -131,9 +133,6 @@ TEST_F(ExplorerTest, ANewCameraEndsTheLongestPass) {
     });
     EXPECT_LT(steadySeconds() - start, 1.0);
     EXPECT_GT(state.sides[0].frame->scale, 1) << "a preview";
-    const double before6 = steadySeconds();
-    end();
-    EXPECT_LT(steadySeconds() - before6, 60);
 }
 
 TEST_F(ExplorerTest, TheCameraTurnsAroundWhatIsSeen) {
@@ -193,7 +192,7 @@ TEST_F(ExplorerTest, SavingWritesByTheRulesOfRender) {
     EXPECT_THAT(state.message, HasSubstr("a.exr"));
     EXPECT_FALSE(state.messageIsError) << state.message;
     EXPECT_TRUE(fs::exists(folder.path() / "a.checkpoint"));
-    const metrolux::Image saved = readImage(folder.path() / "a.exr");
+    const metrolux::Image saved = metrolux::readImage(folder.path() / "a.exr");
     EXPECT_EQ(std::memcmp(saved.pixels.data(), state.sides[0].frame->color.data(),
                           saved.pixels.size() * sizeof(float)),
               0);

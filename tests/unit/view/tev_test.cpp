@@ -134,7 +134,7 @@ class TevTest : public testing::Test {
         EXPECT_EQ(create.number<int32_t>(), width);
         EXPECT_EQ(create.number<int32_t>(), height);
         EXPECT_EQ(create.number<int32_t>(), 3);
-        EXPECT_EQ(create.text() + create.text() + create.text(), "RGB");
+        for (const char* channel : {"R", "G", "B"}) EXPECT_EQ(create.text(), channel);
         EXPECT_EQ(create.rest(), 0u);
     }
     /// Returns the first float.
@@ -145,7 +145,7 @@ class TevTest : public testing::Test {
         EXPECT_EQ(update.number<char>(), 0);
         EXPECT_EQ(update.text(), "lamp (path)");
         EXPECT_EQ(update.number<int32_t>(), 3);
-        EXPECT_EQ(update.text() + update.text() + update.text(), "RGB");
+        for (const char* channel : {"R", "G", "B"}) EXPECT_EQ(update.text(), channel);
         for (const int32_t expected : {0, y, width, height}) EXPECT_EQ(update.number<int32_t>(), expected);
         for (const int64_t offset : {0, 1, 2}) EXPECT_EQ(update.number<int64_t>(), offset);
         for (int i = 0; i < 3; ++i) EXPECT_EQ(update.number<int64_t>(), 3);
@@ -179,13 +179,13 @@ TEST_F(TevTest, SendsWhatTheProtocolSays) {
 }
 
 TEST_F(TevTest, LargeImagesComeInBands) {
-    publish(1000, 700, 0.25f);
+    publish(1000, 500, 0.25f);
     connect(std::to_string(tev.port));
     ASSERT_TRUE(tev.accept());
-    expectCreated(1000, 700);
+    expectCreated(1000, 500);
     const int rows = (4 << 20) / 12000;
     expectUpdated(0, 1000, rows);
-    expectUpdated(rows, 1000, 700 - rows);
+    expectUpdated(rows, 1000, 500 - rows);
 }
 
 TEST_F(TevTest, WhoGoesAwayMayComeAgain) {

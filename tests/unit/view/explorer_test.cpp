@@ -118,9 +118,7 @@ TEST_F(ExplorerTest, APauseLastsUntilItIsOver) {
 
 TEST_F(ExplorerTest, ANewCameraEndsTheLongestPass) {
     // A pass of this takes seconds.
-    ExplorerOptions options;
-    options.session.integrator = "vcm";
-    start(lampScene(1600, 1200), options);
+    start(lampScene(1600, 1200));
     waitFor([](const BoardState& s) {
         return s.sides.size() == 1 && s.sides[0].frame && s.sides[0].frame->scale == 2;
     });

@@ -33,10 +33,10 @@ setup-page:
 	@command -v npm >/dev/null || $(call install,nodejs npm ca-certificates) || \
 	  echo "without npm: metrolux study will write no page"
 
-# For the test of that page.
+# For the tests of that page and of the page of metrolux view.
 setup-browser:
 	@command -v chromium >/dev/null || $(call install,chromium) || \
-	  echo "without chromium: the test of the page of metrolux study is skipped"
+	  echo "without chromium: the tests of the pages of metrolux study and view are skipped"
 
 # For the Python package, which is built where they are.
 PYTHON_PACKAGES := $(shell cat python/packages.txt)

@@ -99,7 +99,9 @@ Run addViewCommand(CLI::App& parent) {
     app->footer(kExamples);
     auto arguments = std::make_shared<RenderArguments>();
     RenderArguments& render = *arguments;
-    app->add_option("scene", render.scene, "Mitsuba scene: XML of version 3.x, 2.x, 0.6 or 0.5")->required();
+    app->add_option("scene", render.scene,
+                    "Mitsuba scene (XML of version 3.x, 2.x, 0.6 or 0.5), glTF, or pbrt")
+        ->required();
     addSceneOptions(*app, render);
     addOutputOptions(*app, render);
     addPortOptions(*app, render.live);

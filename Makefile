@@ -50,6 +50,27 @@ python: setup setup-python  ## the Python package, into the active virtual envir
 	cmake --build --preset release --target python_package
 	tools/install_python.sh $(BUILD)
 
+blender-addon: setup  ## the Blender add-on, to install from disk: build/metrolux-blender.zip
+	cmake --preset release
+	cmake --build --preset release --target blender_addon
+
+# Several hundred MB; without it the tests of the add-on are skipped.
+setup-blender:  ## installs Blender for the tests of the add-on
+	@command -v blender >/dev/null || $(call install,blender)
+
+test-blender: build setup-blender  ## the tests of the Blender add-on
+	cmake --preset release
+	tools/run_tests.sh release -L blender
+
+blender-parameters: build  ## the add-on's parameters of integrators
+	tools/blender_parameters.py $(BUILD)/metrolux > blender/metrolux/parameters.json
+
+blender-reference:  ## the tables of docs/reference/blender.md, from the exporter
+	blender -b --factory-startup --python-exit-code 1 -P tools/blender_reference.py -- docs/reference/blender.md
+
+blender-pictures: build blender-addon setup-blender  ## the pictures of docs/tutorial/blender.md
+	tools/blender_pictures.sh $(BUILD)
+
 PREFIX := /usr/local
 install: setup  ## the command, libmetrolux.so, its headers and CMake package, below PREFIX=/usr/local
 	cmake --preset release

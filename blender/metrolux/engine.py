@@ -82,7 +82,7 @@ class MetroluxEngine(bpy.types.RenderEngine):
         from .settings import arguments
 
         words = arguments(scene.metrolux, scene.render, scene.frame_current)
-        layers = result.layers_for(view_layer, scene)
+        layers = result.layers_for(view_layer)
         if layers:
             words += ["--aov", ",".join(layers)]
         if part:
@@ -111,7 +111,7 @@ class MetroluxEngine(bpy.types.RenderEngine):
                     break
                 if os.path.exists(image) and os.path.getmtime(image) > shown:
                     shown = os.path.getmtime(image)
-                    self._show(image, size, view_layer)
+                    self._show(image, size, view_layer, lens)
         finally:
             rendering.end()
         for event in rendering.events(0.1):
@@ -143,12 +143,10 @@ class MetroluxEngine(bpy.types.RenderEngine):
             self.update_progress(seconds / max(seconds + rest, 1e-6))
         self.update_stats("", text)
 
-    def _show(self, image, size, view_layer, lens=None):
-        """Shows the image so far; with a lens it is the last, and its other passes are filled."""
+    def _show(self, image, size, view_layer, lens):
         render_result = self.begin_result(0, 0, *size, layer=view_layer.name)
         try:
-            result.show(render_result.layers[0], image)
-            if lens is not None:
-                result.fill(render_result.layers[0], image, lens)
+            is_plain = not result.layers_for(view_layer)
+            result.fill(render_result.layers[0], image, lens, is_plain)
         finally:
             self.end_result(render_result)

@@ -9,9 +9,9 @@ OWN_PASSES = {"albedo": ("Albedo", 3, "RGB", "COLOR"), "variance": ("Variance", 
 NO_DEPTH = 1e10  # what Blender has where nothing is hit
 
 
-def layers_for(view_layer, scene):
+def layers_for(view_layer):
     """The layers that a view layer wants of the command. Without a transparent film alpha is 1, as in Cycles."""
-    wanted = ["alpha"] if scene.render.film_transparent else []
+    wanted = ["alpha"] if view_layer.id_data.render.film_transparent else []
     settings = view_layer.metrolux
     wanted += [name for name in OWN_PASSES if getattr(settings, f"use_{name}")]
     if view_layer.use_pass_z:
@@ -51,15 +51,15 @@ class Lens:
             self.shift = (matrix[0, 2], matrix[1, 2])
 
 
-def show(render_layer, path):
-    """Shows the image of a file. Blender reads it itself, which is quick enough to repeat."""
-    render_layer.load_from_file(path)
-
-
-def fill(render_layer, path, lens):
-    """Gives the other passes of a layer what the file has."""
+def fill(render_layer, path, lens, is_plain):
+    """Gives the passes of a layer what the file has. One with colors only (`is_plain`) Blender reads itself, which is six
+    times as quick; of others it does not, and it would multiply colors by alpha."""
+    if is_plain:
+        render_layer.load_from_file(path)
+        return
     window, channels = exr.read(path)
-    pictures = {}
+    channels.setdefault("A", np.ones_like(channels["R"]))
+    pictures = {"Combined": _stack(channels, "RGBA")}
     if "albedo.R" in channels:
         pictures["Albedo"] = _stack(channels, ["albedo.R", "albedo.G", "albedo.B"])
     if "normal.X" in channels:

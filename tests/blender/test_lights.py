@@ -36,7 +36,7 @@ class Lights(unittest.TestCase):
         support.light("SUN", (1, -2, 4), energy=2, angle=math.radians(0.526))
         support.light("SUN", (-3, 0, 3), energy=1, angle=math.radians(20), color=(1, 0.6, 0.4))
         support.light("SUN", (0, 3, 4), energy=0.5, angle=0)
-        checked(self, compare("sun", passes=512))
+        checked(self, compare("sun", 512, 512))
 
     def test_area(self):
         floor_and_ball()
@@ -46,7 +46,7 @@ class Lights(unittest.TestCase):
         # One that is scaled, and seen from behind by half of the floor.
         tilted = support.light("AREA", (-3, 2, 1), (0, 2, 1), energy=30, shape="SQUARE", size=0.4)
         tilted.scale = (2, 1, 3)
-        checked(self, compare("area", passes=512, samples=512))
+        checked(self, compare("area"))
 
     def test_emission(self):
         """Meshes that emit: a closed one, and an open one on both sides. It is turned toward the camera: where the floor sees it
@@ -75,7 +75,7 @@ class Skies(unittest.TestCase):
     def test_color(self):
         floor_and_ball()
         support.world(lambda t: support.new_node(t, "ShaderNodeBackground", {"Color": (0.4, 0.6, 0.9), "Strength": 1.5}))
-        checked(self, compare("world"))
+        checked(self, compare("world", 128, 128))
 
     def test_map(self):
         """Rotated about all axes; seen, and as a light."""
@@ -90,7 +90,7 @@ class Skies(unittest.TestCase):
             return support.new_node(t, "ShaderNodeBackground", {"Color": picture.outputs["Color"], "Strength": 0.7})
 
         support.world(build)
-        checked(self, compare("sky", passes=512, samples=512))
+        checked(self, compare("sky"))
 
     def test_map_with_sun(self):
         floor_and_ball()
@@ -105,7 +105,7 @@ class Skies(unittest.TestCase):
 
         support.world(build)
         support.light("SUN", (-1, -2, 2), energy=2, angle=math.radians(3))
-        checked(self, compare("sky-sun", passes=512, samples=512))
+        checked(self, compare("sky-sun"))
 
 
 if __name__ == "__main__":

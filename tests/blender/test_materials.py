@@ -38,17 +38,17 @@ class Exact(unittest.TestCase):
 
     def test_mirror(self):
         stage(of("ShaderNodeBsdfGlossy", Color=(0.9, 0.6, 0.3), distribution="SHARP"))
-        checked(self, compare("mirror", 512, 512))
+        checked(self, compare("mirror"))
 
     def test_glass(self):
         """Glass that is seen directly, and the floor through it. With flat faces: shading normals differ in refraction."""
         stage(of("ShaderNodeBsdfGlass", Color=(0.9, 1, 0.95), distribution="SHARP", IOR=1.5), smooth=False, shape="cube")
         support.bpy.data.objects["Cube"].rotation_euler = (0.3, 0.2, 0.5)
-        checked(self, compare("glass", 1024, 1024))
+        checked(self, compare("glass", 384, 384))
 
     def test_translucent(self):
         stage(of("ShaderNodeBsdfTranslucent", Color=(0.7, 0.5, 0.3)), smooth=False, shape="plane")
-        checked(self, compare("translucent", 512, 512))
+        checked(self, compare("translucent", 128, 128))
 
     def test_mix_add_transparent(self):
         """0.3 of a red, 0.7 of a half transparent blue that glows: nested Mix and Add."""
@@ -71,7 +71,7 @@ class Exact(unittest.TestCase):
             return result
 
         stage(lambda: material("Mixed", build))
-        checked(self, compare("mix", 768, 768))
+        checked(self, compare("mix", 384, 384))
 
 
 def colors(width=16, seed=3):
@@ -146,7 +146,7 @@ class Textures(unittest.TestCase):
             layer = wall.data.color_attributes.new(name, kind, "CORNER")
             for index, color in enumerate(((1, 0.1, 0.1, 1), (0.1, 0.8, 0.2, 1), (0.1, 0.2, 0.7, 1), (0.5, 0.5, 0.5, 1))):
                 layer.data[index].color = color
-        checked(self, compare("mask", 256, 256))
+        checked(self, compare("mask", 128, 128))
 
     def test_normal_map(self):
         """Tilts within 25 degrees, lit by a sun: both shade the same."""
@@ -186,7 +186,7 @@ class Different(unittest.TestCase):
 
     def differs(self, name, made_of, bound, most=0.08, **kind):
         stage(made_of, **kind)
-        result = compare(name, 256, 256)
+        result = compare(name, 128, 128, parts=2)
         self.assertLess(result.worst, bound, str(result))
         self.assertLess(abs(result.metrolux.mean() / result.cycles.mean() - 1), most, str(result))
 

@@ -87,7 +87,7 @@ def microfacets(reader, node, groups):
 
 
 @shader("ShaderNodeBsdfGlossy", "Glossy BSDF", "`conductor` or `roughconductor` with the color as its reflectance")
-@shader("ShaderNodeBsdfAnisotropic", "Anisotropic BSDF, Glossy BSDF (4.x)", "the same; anisotropic ones lose their rotation")
+@shader("ShaderNodeBsdfAnisotropic", "Anisotropic BSDF, Glossy BSDF (4.x)", "as Glossy BSDF; the rotation of anisotropy is lost (named)")
 def _glossy(reader, node, groups):
     distribution, alpha = microfacets(reader, node, groups)
     anisotropy = reader.number(input_of(node, groups, "Anisotropy"), "Anisotropy") or 0
@@ -182,7 +182,6 @@ def _add(reader, node, groups):
 
 
 @shader("ShaderNodeBsdfPrincipled", "Principled BSDF",
-        "`principled`: base color, metallic, roughness, anisotropic, transmission, IOR or specular, sheen, coat, "
-        "emission, alpha, normal; subsurface as diffuse (named)")
+        "`principled`, `area`, `mask`; see below")
 def _principled(reader, node, groups):
     return principled_surface(reader, node, groups)

@@ -9,7 +9,6 @@ from .graph import Input, input_of
 from .values import (
     BLACK,
     CannotCombine,
-    Constant,
     MeshColor,
     Placement,
     WHITE,
@@ -288,13 +287,13 @@ _BLENDS = {
 }
 
 
-@node("ShaderNodeMixRGB", "Mix (before 3.4)", "a product with a color or MIX with a factor of 0 or 1 as it is, else baked")
+@node("ShaderNodeMixRGB", "Mix (before 3.4)", "the same as Mix")
 def _mix_rgb(reader, node, output, groups):
     return _mixed(reader, node, Input(node.inputs[0], groups), Input(node.inputs[1], groups),
                   Input(node.inputs[2], groups), node.use_clamp, False)
 
 
-@node("ShaderNodeMix", "Mix", "the same; numbers and colors")
+@node("ShaderNodeMix", "Mix", "numbers and colors; products, and factors of 0 and 1, as they are, else baked")
 def _mix(reader, node, output, groups):
     suffix = {"RGBA": "Color", "FLOAT": "Float", "VECTOR": "Vector"}.get(node.data_type)
     if suffix is None or (node.data_type == "VECTOR" and node.factor_mode != "UNIFORM"):

@@ -106,17 +106,34 @@ def emitter(world, suns, files, problems):
         pixels = _turned(radiance, rotation, _width_for(radiance, suns))
         for direction, irradiance, angle in suns:
             _draw_sun(pixels, np.asarray(direction), np.asarray(irradiance), angle)
-        radiance, rotation = Picture(lambda: pixels, Placement(), "sky"), np.eye(3)
+        sky = Picture(lambda: pixels, Placement(), "sky")
+        return _map(sky, np.eye(3), files)
     if radiance == BLACK:
         return None
     if radiance.is_constant:
         return plugin("emitter", "constant", radiance=rgb(radiance.color))
-    path, _ = files.path(radiance, half=False)
+    return _map(_from_pole_to_pole(radiance), rotation, files)
+
+
+def _map(picture, rotation, files):
+    path, _ = files.path(picture, half=False)
     element = plugin("emitter", "envmap", filename=path)
     to_world = np.eye(4)
     to_world[:3, :3] = np.linalg.inv(rotation)
     add(element, "to_world", transform(to_world @ _FRAME))
     return element
+
+
+def _from_pole_to_pole(picture):
+    """A map whose first and last rows are the poles, as Mitsuba has it; those of Blender begin half a row further in. Of
+    large maps that half row is less than 0.1 degrees, and they stay as they are."""
+    pixels = picture.array()
+    if len(pixels) >= 1024:
+        return picture
+    result = np.repeat(pixels, 2, axis=0)
+    result = np.concatenate([result, result[-1:]])
+    result[2:-1:2] = 0.5 * (pixels[:-1] + pixels[1:])
+    return Picture(lambda: result, picture.placement, picture.name)
 
 
 def _width_for(radiance, suns):
@@ -128,16 +145,16 @@ def _width_for(radiance, suns):
 
 
 def directions(width, height, rows=slice(None)):
-    """Of the middles of the pixels of a map in Blender's frame, shape (rows, width, 3)."""
+    """Of the pixels of a map in Blender's frame, the first and the last row at the poles: shape (rows, width, 3)."""
     azimuth = -2 * math.pi * ((np.arange(width) + 0.5) / width - 0.5)
-    elevation = math.pi * (0.5 - (np.arange(height)[rows] + 0.5) / height)
+    elevation = math.pi * (0.5 - np.arange(height)[rows] / (height - 1))
     c = np.cos(elevation)[:, None]
     return np.stack(np.broadcast_arrays(c * np.cos(azimuth), c * np.sin(azimuth), np.sin(elevation)[:, None]), axis=2)
 
 
 def _turned(radiance, rotation, width):
-    """The sky as pixels of the world's frame, shape (width / 2, width, 3)."""
-    height = width // 2
+    """The sky as pixels of the world's frame, shape (width / 2 + 1, width, 3)."""
+    height = width // 2 + 1
     result = np.empty((height, width, 3), np.float32)
     if radiance.is_constant:
         result[:] = radiance.color
@@ -163,7 +180,7 @@ def _bilinear(source, u, v):
 def _draw_sun(pixels, direction, irradiance, angle):
     """Adds a disk of the angle (its diameter), with smooth edges, of the sun's strength."""
     height, width, _ = pixels.shape
-    step = math.pi / height
+    step = math.pi / (height - 1)
     elevation = math.asin(min(max(direction[2], -1), 1))
     first = int(max((math.pi / 2 - elevation - angle / 2 - 2 * step) / step, 0))
     last = int(min((math.pi / 2 - elevation + angle / 2 + 2 * step) / step + 1, height))
@@ -171,8 +188,7 @@ def _draw_sun(pixels, direction, irradiance, angle):
     cosine = np.clip(d @ direction, -1, 1)
     distance = np.arctan2(np.linalg.norm(np.cross(d, direction), axis=2), cosine)
     cover = np.clip((angle / 2 - distance) / step + 0.5, 0, 1)
-    edges = math.pi / 2 - np.arange(first, last + 1) * step
-    solid = (np.sin(edges[:-1]) - np.sin(edges[1:]))[:, None] * (2 * math.pi / width)
+    solid = np.hypot(d[:, :, 0], d[:, :, 1]) * step * (2 * math.pi / width)
     shape, power = compat.sun_radiance(cosine)
     total = float((cover * shape * solid * np.maximum(cosine, 0) ** power).sum())
     pixels[first:last] += (cover * shape / total)[:, :, None] * irradiance.astype(np.float32)

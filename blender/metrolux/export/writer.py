@@ -46,7 +46,9 @@ class ValueWriter:
         # Mitsuba's v points down; what is rotated upward is rotated between two flips.
         matrix = _FLIP @ np.array(placement.matrix) @ _FLIP
         if not np.allclose(matrix, np.eye(3)):
-            add(element, "to_uv", transform(matrix))
+            rows = np.eye(4)
+            rows[:2, :2], rows[:2, 3] = matrix[:2, :2], matrix[:2, 2]
+            add(element, "to_uv", transform(rows))
         return element
 
     def _need(self, attribute, name, what):

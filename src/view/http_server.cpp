@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <atomic>
 #include <list>
+#include <pthread.h>
 #include <thread>
 
 namespace metrolux::core::view {
@@ -279,7 +280,10 @@ HttpServer::~HttpServer() {
 void HttpServer::start(Handler handler) {
     impl_->handler = std::move(handler);
     impl_->accept();
-    impl_->thread = std::thread([this] { impl_->io.run(); });
+    impl_->thread = std::thread([this] {
+        ::pthread_setname_np(::pthread_self(), "metrolux-http");  // for tools/view_slowdown.py
+        impl_->io.run();
+    });
 }
 
 void HttpServer::notify() {

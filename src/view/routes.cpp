@@ -28,6 +28,9 @@ HttpResponse jsonResponse(const nlohmann::json& json) {
                         "application/json");
 }
 
+/// No mistake of the page, which browsers would report.
+HttpResponse nothingYet() { return {204, "text/plain", nullptr, {}}; }
+
 nlohmann::json numberOrNull(double value) {
     return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json();
 }
@@ -178,8 +181,7 @@ Routes::Answer Routes::frame(const HttpRequest& request, bool last) {
     board_.watch(variance);
     const BoardState state = board_.state();
     const auto side = number<size_t>(request, "side", 0);
-    if (side >= state.sides.size() || !state.sides[side].frame)
-        return textResponse(404, "there is no picture yet");
+    if (side >= state.sides.size() || !state.sides[side].frame) return nothingYet();
     const std::shared_ptr<const Frame> frame = state.sides[side].frame;
     const auto answer = [&](int width, int height, int channels,
                             std::span<const float> values) -> HttpResponse {
@@ -204,7 +206,7 @@ Routes::Answer Routes::frame(const HttpRequest& request, bool last) {
     if (variance) {
         if (frame->variance.empty()) {
             if (!last) return std::nullopt;
-            return textResponse(404, "there is no variance yet");
+            return nothingYet();
         }
         if (layer == "variance") return answer(w.width, w.height, 1, frame->variance);
         return answer(w.width, w.height, 1, relativeErrors(frame->color, frame->variance));
@@ -224,8 +226,7 @@ Routes::Answer Routes::pixel(const HttpRequest& request, bool last) {
     const std::string layer = layerOf(request);
     const BoardState state = board_.state();
     const auto side = number<size_t>(request, "side", 0);
-    if (side >= state.sides.size() || !state.sides[side].frame)
-        return textResponse(404, "there is no picture yet");
+    if (side >= state.sides.size() || !state.sides[side].frame) return nothingYet();
     const std::shared_ptr<const Frame> frame = state.sides[side].frame;
     LayerPixels shown{frame->window.width, frame->window.height, 3, {}};
     const std::vector<float>* values = &frame->color;
@@ -233,7 +234,7 @@ Routes::Answer Routes::pixel(const HttpRequest& request, bool last) {
     std::vector<float> errors;
     if (layer == "error" || layer == "variance") {
         shown.channels = 1;
-        if (frame->variance.empty()) return textResponse(404, "there is no variance yet");
+        if (frame->variance.empty()) return nothingYet();
         values = &frame->variance;
         if (layer == "error") values = &(errors = relativeErrors(frame->color, frame->variance));
     } else if (layer != "color") {
@@ -245,9 +246,13 @@ Routes::Answer Routes::pixel(const HttpRequest& request, bool last) {
         shown = {camera->width, camera->height, camera->channels, {}};
         values = &camera->values;
     }
-    const int x = number(request, "x", 0), y = number(request, "y", 0);
-    if (x < 0 || y < 0 || x >= shown.width || y >= shown.height)
-        throw Error("found pixel {}, {}, expected one of {} x {}", x, y, shown.width, shown.height);
+    // The place in the picture that the viewer sees, which may have had another resolution.
+    const int width = number(request, "width", shown.width), height = number(request, "height", shown.height),
+              seenX = number(request, "x", 0), seenY = number(request, "y", 0);
+    if (seenX < 0 || seenY < 0 || seenX >= width || seenY >= height)
+        throw Error("found pixel {}, {}, expected one of {} x {}", seenX, seenY, width, height);
+    const auto x = static_cast<int>(int64_t{seenX} * shown.width / width),
+               y = static_cast<int>(int64_t{seenY} * shown.height / height);
     const auto c = static_cast<size_t>(shown.channels);
     const size_t first =
         c * (static_cast<size_t>(y) * static_cast<size_t>(shown.width) + static_cast<size_t>(x));
@@ -271,6 +276,8 @@ HttpResponse Routes::command(const HttpRequest& request) {
         return textResponse(
             409, "this rendering is that of a `metrolux render`: it can be paused, saved and stopped");
     const BoardState state = board_.state();
+    if (state.phase == Phase::Loading) return textResponse(409, "the scene is still being loaded");
+    if (state.phase == Phase::Ended) return textResponse(409, "the rendering has ended");
     if (command.crop) {
         const Crop& c = *command.crop;
         const Resolution& full = state.resolution;
@@ -279,7 +286,6 @@ HttpResponse Routes::command(const HttpRequest& request) {
             throw Error("found a crop of {} x {} pixels at {}, {}, expected one in the image of {} x {}",
                         c.width, c.height, c.x, c.y, full.width, full.height);
     }
-    if (state.phase == Phase::Ended) return textResponse(409, "the rendering has ended");
     if (!board_.post(command)) return textResponse(429, "too many commands are waiting");
     return textResponse(202, "{}", "application/json");
 }

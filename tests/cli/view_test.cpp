@@ -1,9 +1,10 @@
 /// `metrolux view` and `render --serve` as programs.
 
-#include "../unit/view/http_client.h"
 #include "command.h"
 #include "image/image_io.h"
 #include "paths.h"
+#include "support/fake_tev.h"
+#include "support/http_client.h"
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -153,6 +154,7 @@ TEST_F(ViewTest, ChangesNeedTheTokenAndTheRightHost) {
     EXPECT_THAT(answer("Host: " + host + "\r\n"), HasSubstr("401"));
     EXPECT_THAT(answer("Host: evil.example\r\n"), HasSubstr("403"));
     EXPECT_THAT(get(page, "/command"), HasSubstr("405"));
+    waitForPhase(page, "rendering");
     EXPECT_THAT(post(page, R"({"do":"fly"})"), AllOf(HasSubstr("400"), HasSubstr("fly")));
     EXPECT_THAT(post(page, R"({"do":"crop","x":20,"y":0,"width":9,"height":9})"),
                 HasSubstr("expected one in the image of 24 x 16"));
@@ -188,6 +190,46 @@ TEST_F(ViewTest, ServedRendersAreThoseOfTheCommandLine) {
     EXPECT_EQ(outcome.status, 3) << outcome.err;
 }
 
+/// Tev shows at the end what the file has, to the bit.
+TEST_F(ViewTest, TevGetsTheImage) {
+    test::FakeTev tev;
+    Command render(folder, {"render", "scene.xml", "-i", "path", "--passes", "30", "-o", "a.exr", "--tev",
+                            tev.address()});
+    ASSERT_TRUE(tev.accept(20000));
+    std::vector<float> shown;
+    for (std::string packet = tev.packet(); !packet.empty(); packet = tev.packet()) {
+        test::PacketReader reader(packet);
+        reader.number<uint32_t>();
+        if (reader.number<char>() != 6) continue;
+        reader.number<char>();
+        reader.text();
+        reader.number<int32_t>();
+        for (int i = 0; i < 3; ++i) reader.text();
+        for (int i = 0; i < 4; ++i) reader.number<int32_t>();
+        for (int i = 0; i < 6; ++i) reader.number<int64_t>();
+        shown.resize(reader.rest() / sizeof(float));
+        for (float& value : shown) value = reader.number<float>();
+    }
+    EXPECT_EQ(render.wait().status, 0);
+    EXPECT_EQ(shown, pixels("a.exr"));
+}
+
+/// A tev that takes nothing more, or goes away, costs a rendering its farewell at most.
+TEST_F(ViewTest, TevThatStallsOrGoesHoldsNobodyUp) {
+    test::FakeTev tev;
+    Command render(folder, {"render", "scene.xml", "-D", "width=3000", "-i", "path", "--passes", "2", "-o",
+                            "a.exr", "--tev", tev.address()});
+    ASSERT_TRUE(tev.accept(20000));
+    EXPECT_EQ(render.wait().status, 0) << "without a byte being read";
+    Command other(
+        folder, {"render", "scene.xml", "-i", "path", "--time", "1s", "-o", "b.exr", "--tev", tev.address()});
+    ASSERT_TRUE(tev.accept(20000));
+    tev.hangUp();
+    const Outcome outcome = other.wait();
+    EXPECT_EQ(outcome.status, 0);
+    EXPECT_THAT(outcome.err, HasSubstr("tev at 127.0.0.1"));
+}
+
 TEST_F(ViewTest, MistakesAreTold) {
     Command first(folder, {"view", "scene.xml", "-i", "path", "--no-open"});
     const std::string port = fmt::format("{}", portOf(url()));
@@ -219,7 +261,7 @@ TEST_F(ViewTest, PageWorksInABrowser) {
         GTEST_SKIP() << "without npm there is no playwright-core to drive the page";
     if (std::system("command -v chromium >/dev/null") != 0) GTEST_SKIP() << "chromium is not installed";
     Command view(folder,
-                 {"view", "scene.xml", "-D", "width=40", "-i", "path", "--passes", "64", "--no-open"});
+                 {"view", "scene.xml", "-D", "width=40", "-i", "path", "--passes", "1000", "--no-open"});
     const std::string page = url();
     const std::string script =
         fmt::format("cd '{}' && node test/live.mjs '{}' '{}' > '{}' 2>&1", web.string(), page,
@@ -229,7 +271,7 @@ TEST_F(ViewTest, PageWorksInABrowser) {
     view.signal(SIGTERM);
     view.wait();
     ASSERT_EQ(
-        run({"render", "scene.xml", "-D", "width=40", "-i", "path", "--passes", "64", "-o", "plain.exr"})
+        run({"render", "scene.xml", "-D", "width=40", "-i", "path", "--passes", "1000", "-o", "plain.exr"})
             .status,
         0);
     const ImageData plain = readImage(folder / "plain.exr", false);

@@ -4,16 +4,19 @@ const kColors = ["#6fb1ff", "#ffb454"];
 const kInk = "#a2a6ac";
 const kGrid = "#33363a";
 
-const decades = (from, to) => {
+// Round numbers: few digits where the range is wide, more where it is narrow.
+function roundNumbers(from, to) {
+  const digits = to / from > 8 ? [1, 2, 5] : to / from > 2.5 ? [1, 1.5, 2, 3, 4, 5, 6, 8] : [1, 1.2, 1.4, 1.6, 1.8, 2, 2.2, 2.5, 3, 3.5, 4, 4.5, 5, 6, 7, 8, 9];
   const ticks = [];
   for (let e = Math.floor(Math.log10(from)); e <= Math.ceil(Math.log10(to)); ++e)
-    for (const digit of [1, 2, 5]) {
+    for (const digit of digits) {
       const value = digit * 10 ** e;
       if (value >= from * 0.999 && value <= to * 1.001) ticks.push(value);
     }
   return ticks;
-};
-const percent = (value) => `${Number((100 * value).toPrecision(1))} %`;
+}
+const short = (value) => String(Number(value.toPrecision(2)));
+const percent = (value) => `${short(100 * value)} %`;
 
 export function drawChart(canvas, curves) {
   const ratio = window.devicePixelRatio || 1;
@@ -53,15 +56,15 @@ export function drawChart(canvas, curves) {
   context.textBaseline = "middle";
   context.textAlign = "right";
   let last = Infinity;
-  for (const tick of decades(y0, y1)) {
+  for (const tick of roundNumbers(y0, y1)) {
     line(left, y(tick), width - 8, y(tick));
     if (last - y(tick) > 14) context.fillText(percent(tick), left - 5, (last = y(tick)));
   }
   context.textAlign = "center";
   last = -Infinity;
-  for (const tick of decades(x0, x1)) {
+  for (const tick of roundNumbers(x0, x1)) {
     line(x(tick), 8, x(tick), bottom);
-    const text = String(Number(tick.toPrecision(1)));
+    const text = short(tick);
     if (x(tick) - last > 34) context.fillText(text, (last = x(tick)), height - 7);
   }
   curves.forEach((curve, side) => {

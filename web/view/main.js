@@ -58,7 +58,7 @@ async function fetchFrame(side) {
       paint(side);
     }
   } catch (problem) {
-    if (problem.status === 503 || problem.status === 404) await new Promise((resolve) => setTimeout(resolve, 300));
+    if (problem.status === 503 || problem.status === 204) await new Promise((resolve) => setTimeout(resolve, 300));
   }
   underway[side] = false;
   if (state.phase !== "lost") fetchFrame(side);
@@ -123,9 +123,12 @@ function showLabels() {
   byId("labels").replaceChildren(...labels);
 }
 
+// What was asked for and comes after the pass in progress.
+let coming = "";
 function showPhase(phase, reason) {
   document.body.dataset.phase = phase;
-  byId("phase-text").textContent = kPhases[phase] + (reason ? `: ${reason}` : "");
+  if (phase !== "rendering") coming = "";
+  byId("phase-text").textContent = kPhases[phase] + (reason ? `: ${reason}` : "") + coming;
   const gone = phase === "ended" || phase === "lost";
   const resting = phase === "paused" || phase === "stopped";
   byId("pause").textContent = resting ? "Go on" : "Pause";
@@ -137,11 +140,12 @@ function showPhase(phase, reason) {
 
 function changed(next) {
   state = next;
-  showPhase(state.phase, state.reason);
   if (state.message.number > told) {
     if (told > 0 || state.message.error || state.phase !== "ended") tell(state.message.text, state.message.error);
     told = state.message.number;
+    coming = "";
   }
+  showPhase(state.phase, state.reason);
   if (state.sides.length === 0) return;
   frames.length = Math.min(frames.length, state.sides.length);
   hands.image = state.resolution;
@@ -173,7 +177,7 @@ async function readout() {
   const number = ++asked;
   const inside = (value, most, size) => Math.min(Math.floor((value * size) / most), size - 1);
   try {
-    const { values, passes } = await pixel(place.side, display.layer, inside(x - wx, ww, shown.width), inside(y - wy, wh, shown.height));
+    const { values, passes } = await pixel(place.side, display.layer, inside(x - wx, ww, shown.width), inside(y - wy, wh, shown.height), shown.width, shown.height);
     if (number !== asked || !pointer) return;
     const names = values.length === 3 ? ["R", "G", "B"] : [display.layer];
     output.textContent = [`x ${x}  y ${y}`, ...names.map((name, i) => `${name}  ${typeof values[i] === "number" ? shortestText(values[i]) : values[i]}`)].join("\n");
@@ -221,10 +225,16 @@ stage.changed = () => {
 };
 
 // Commands.
-const togglePause = () => send(state?.phase === "rendering" ? "pause" : "resume");
+function sendForLater(name, text) {
+  coming = `, ${text} after this pass`;
+  showPhase(state.phase, state.reason);
+  send(name);
+}
+const togglePause = () => (state?.phase === "rendering" ? sendForLater("pause", "pausing") : send("resume"));
+const save = () => (state?.phase === "rendering" ? sendForLater("save", "saving") : send("save"));
 byId("pause").addEventListener("click", togglePause);
-byId("stop").addEventListener("click", () => send("stop"));
-byId("save").addEventListener("click", () => send("save"));
+byId("stop").addEventListener("click", () => (state?.phase === "rendering" ? sendForLater("stop", "stopping") : send("stop")));
+byId("save").addEventListener("click", save);
 byId("fit").addEventListener("click", () => stage.fit());
 byId("actual").addEventListener("click", () => stage.actual());
 byId("integrator").addEventListener("change", (event) => send("integrator", { integrator: event.target.value }));
@@ -267,7 +277,7 @@ document.addEventListener("keydown", (event) => {
   const explores = info?.explores;
   const keys = {
     " ": () => !byId("pause").disabled && togglePause(),
-    s: () => !byId("save").disabled && send("save"),
+    s: () => !byId("save").disabled && save(),
     f: () => stage.fit(),
     a: () => stage.actual(),
     e: () => setLayer(display.layer === "error" ? "color" : "error"),

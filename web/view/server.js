@@ -17,12 +17,14 @@ export async function command(name, values = {}) {
 
 export async function frame(side, layer) {
   const response = await ask(`frame?side=${side}&layer=${layer}`);
+  if (response.status === 204) throw Object.assign(new Error("there is nothing yet"), { status: 204 });
   const info = JSON.parse(response.headers.get("X-Frame"));
   return { ...info, side, layer, halfs: new Uint16Array(await response.arrayBuffer()) };
 }
 
-export const pixel = async (side, layer, x, y) =>
-  (await ask(`pixel?side=${side}&layer=${layer}&x=${x}&y=${y}`)).json();
+// Of the place in a picture of this size.
+export const pixel = async (side, layer, x, y, width, height) =>
+  (await ask(`pixel?side=${side}&layer=${layer}&x=${x}&y=${y}&width=${width}&height=${height}`)).json();
 
 const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
 const shown = () =>

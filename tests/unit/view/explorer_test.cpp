@@ -117,11 +117,12 @@ TEST_F(ExplorerTest, APauseLastsUntilItIsOver) {
 }
 
 TEST_F(ExplorerTest, ANewCameraEndsTheLongestPass) {
-    // A pass of this takes seconds.
+    // A pass of this takes seconds, four times what the last preview takes.
     start(lampScene(1600, 1200));
-    waitFor([](const BoardState& s) {
+    const BoardState preview = waitFor([](const BoardState& s) {
         return s.sides.size() == 1 && s.sides[0].frame && s.sides[0].frame->scale == 2;
     });
+    const double pass = 4 * preview.sides[0].frame->progress.seconds;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
     const uint64_t before = board.state().sides[0].generation;
     const double start = steadySeconds();
@@ -129,7 +130,8 @@ TEST_F(ExplorerTest, ANewCameraEndsTheLongestPass) {
     const BoardState state = waitFor([&](const BoardState& s) {
         return s.sides[0].generation > before && s.sides[0].frame->generation == s.sides[0].generation;
     });
-    EXPECT_LT(steadySeconds() - start, 1.0);
+    // Where the machine is so busy that a pass takes longer than usual, everything does.
+    EXPECT_LT(steadySeconds() - start, std::max(1.0, 0.5 * pass));
     EXPECT_GT(state.sides[0].frame->scale, 1) << "a preview";
 }
 

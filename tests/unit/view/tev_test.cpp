@@ -1,12 +1,10 @@
 #include "base/clock.h"
 #include "base/error.h"
-#include "fake_tev.h"
+#include "support/fake_tev.h"
 #include "view/tev_client.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <unistd.h>
 
 namespace metrolux::core::view {
 namespace {

@@ -118,12 +118,14 @@ TEST_F(ExplorerTest, APauseLastsUntilItIsOver) {
 
 TEST_F(ExplorerTest, ANewCameraEndsTheLongestPass) {
     // A pass of this takes seconds, four times what the last preview takes.
-    start(lampScene(1600, 1200));
+    ExplorerOptions options;
+    options.session.integrator = "vcm";
+    start(lampScene(1000, 750), options);
     const BoardState preview = waitFor([](const BoardState& s) {
         return s.sides.size() == 1 && s.sides[0].frame && s.sides[0].frame->scale == 2;
     });
     const double pass = 4 * preview.sides[0].frame->progress.seconds;
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    std::this_thread::sleep_for(std::chrono::duration<double>(0.25 * pass));
     const uint64_t before = board.state().sides[0].generation;
     const double start = steadySeconds();
     turn(0.5);

@@ -62,6 +62,11 @@ test-blender: build setup-blender  ## the tests of the Blender add-on
 	cmake --preset release
 	tools/run_tests.sh release -L blender
 
+# As root; not part of the suite.
+test-blender-trixie: build  ## the same with the Blender 4.3 of Debian 13, in a debootstrap of it (3 GB in build-trixie)
+	@command -v debootstrap >/dev/null || $(call install,debootstrap)
+	$(SUDO) tools/blender_trixie.sh $(BUILD) build-trixie
+
 blender-parameters: build  ## the add-on's parameters of integrators
 	tools/blender_parameters.py $(BUILD)/metrolux > blender/metrolux/parameters.json
 

@@ -65,6 +65,17 @@ def light_spread(light):
     return getattr(light, "spread", np.pi)
 
 
+def cycles_setting(data, name, default):
+    """A setting of Cycles, which 4.x has partly made Blender's own."""
+    value = getattr(data, name, None)
+    return getattr(getattr(data, "cycles", None), name, default) if value is None else value
+
+
+def area_radiance(power, area):
+    """Of an Area light, W/(m^2 sr): its power is its flux, and before 4.0 4/pi of it."""
+    return power / (area * (4 if VERSION < (4, 0, 0) else math.pi))
+
+
 def spot_falloff(cosine, half_angle, blend):
     """Cycles' spot: a smooth step between the cosines of the cone and of its inner part; before 4.0 times the cosine."""
     edge = math.cos(half_angle)
@@ -97,7 +108,11 @@ def later(function):
     if bpy.app.background:
         function()
     else:
-        bpy.app.timers.register(lambda: function())
+        bpy.app.timers.register(function)
+
+
+# In 4.3 RenderLayer.load_from_file() leaves the layer black.
+LOADS_FILES = VERSION < (4, 0, 0)
 
 
 def set_pixels(render_pass, pixels):

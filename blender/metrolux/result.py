@@ -54,7 +54,7 @@ class Lens:
 def fill(render_layer, path, lens, is_plain):
     """Gives the passes of a layer what the file has. One with colors only (`is_plain`) Blender reads itself, which is six
     times as quick; of others it does not, and it would multiply colors by alpha."""
-    if is_plain:
+    if is_plain and compat.LOADS_FILES:
         render_layer.load_from_file(path)
         return
     window, channels = exr.read(path)

@@ -78,13 +78,18 @@ def tree(owner):
     return owner.node_tree
 
 
+# Names of the sockets of 3.4 in 4.x.
+NEW_NAMES = {"Transmission": "Transmission Weight", "Clearcoat": "Coat Weight", "Clearcoat Roughness": "Coat Roughness",
+             "Sheen": "Sheen Weight", "Emission": "Emission Color"}
+
+
 def new_node(nodes, kind, inputs=None, **values):
     """A node with properties and inputs: a value, or an output socket to link."""
     node = nodes.nodes.new(kind)
     for name, value in values.items():
         setattr(node, name, value)
     for name, value in (inputs or {}).items():
-        socket = node.inputs[name]
+        socket = node.inputs[name if not isinstance(name, str) or name in node.inputs else NEW_NAMES[name]]
         if isinstance(value, bpy.types.NodeSocket):
             nodes.links.new(value, socket)
         elif hasattr(socket.default_value, "__len__") and len(socket.default_value) == 4 and len(value) == 3:

@@ -75,8 +75,9 @@ class Cameras(unittest.TestCase):
     def test_panorama(self):
         pattern()
         camera = support.camera((0, -1, 1), (0, 1, 0.5), type="PANO")
-        camera.data.cycles.panorama_type = "EQUIRECTANGULAR"
+        settings = camera.data if hasattr(camera.data, "panorama_type") else camera.data.cycles
+        settings.panorama_type = "EQUIRECTANGULAR"
         self.same("panorama")
-        camera.data.cycles.panorama_type, camera.data.cycles.fisheye_fov = "FISHEYE_EQUIDISTANT", math.radians(180)
+        settings.panorama_type, settings.fisheye_fov = "FISHEYE_EQUIDISTANT", math.radians(180)
         bpy.context.scene.render.resolution_x = bpy.context.scene.render.resolution_y = 64
         self.same("fisheye")

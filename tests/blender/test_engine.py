@@ -237,11 +237,13 @@ class Export(unittest.TestCase):
     def test_split_normals(self):
         """Auto smooth: sharp edges stay sharp, as in Cycles. A plain mirror shows where normals point."""
         support.clear()
-        chrome = support.material("Chrome", lambda t: support.new_node(t, "ShaderNodeBsdfGlossy", {"Color": (0.9, 0.9, 0.9)},
-                                                                      distribution="SHARP"))
+        chrome = support.material("Chrome", lambda t: support.new_node(t, "ShaderNodeBsdfGlossy", {"Color": (0.9, 0.9, 0.9),
+                                                                                              "Roughness": 0}, distribution="GGX"))
         drum = support.mesh("cylinder", chrome, smooth=True, vertices=64, radius=1, depth=1.5, rotation=(0.6, 0.2, 0))
         if hasattr(drum.data, "use_auto_smooth"):
             drum.data.use_auto_smooth, drum.data.auto_smooth_angle = True, math.radians(30)
+        else:
+            bpy.ops.object.shade_smooth_by_angle(angle=math.radians(30))
         from comparison import checked, compare
         from test_lights import sky_pixels
 

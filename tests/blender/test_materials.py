@@ -37,12 +37,12 @@ class Exact(unittest.TestCase):
     """Both compute the same."""
 
     def test_mirror(self):
-        stage(of("ShaderNodeBsdfGlossy", Color=(0.9, 0.6, 0.3), distribution="SHARP"))
+        stage(of("ShaderNodeBsdfGlossy", Color=(0.9, 0.6, 0.3), Roughness=0.0, distribution="GGX"))
         checked(self, compare("mirror"))
 
     def test_glass(self):
         """Glass that is seen directly, and the floor through it. With flat faces: shading normals differ in refraction."""
-        stage(of("ShaderNodeBsdfGlass", Color=(0.9, 1, 0.95), distribution="SHARP", IOR=1.5), smooth=False, shape="cube")
+        stage(of("ShaderNodeBsdfGlass", Color=(0.9, 1, 0.95), Roughness=0.0, distribution="GGX", IOR=1.5), smooth=False, shape="cube")
         support.bpy.data.objects["Cube"].rotation_euler = (0.3, 0.2, 0.5)
         checked(self, compare("glass", 384, 384))
 
@@ -192,7 +192,7 @@ class Different(unittest.TestCase):
 
     def test_glass_ball(self):
         """Shading normals of a mesh with 16,384 faces in refraction."""
-        self.differs("glass-ball", of("ShaderNodeBsdfGlass", distribution="SHARP", IOR=1.5), 0.02, 0.01)
+        self.differs("glass-ball", of("ShaderNodeBsdfGlass", Roughness=0.0, distribution="GGX", IOR=1.5), 0.02, 0.01)
 
     def test_rough_diffuse(self):
         self.differs("oren-nayar", of("ShaderNodeBsdfDiffuse", Color=(0.8, 0.5, 0.3), Roughness=0.8), 0.1)
@@ -204,7 +204,7 @@ class Different(unittest.TestCase):
         self.differs("rough-glass", of("ShaderNodeBsdfGlass", Roughness=0.3, distribution="GGX", IOR=1.4), 0.1)
 
     def test_refraction(self):
-        self.differs("refraction", of("ShaderNodeBsdfRefraction", distribution="SHARP", IOR=1.3), 0.3)
+        self.differs("refraction", of("ShaderNodeBsdfRefraction", Roughness=0.0, distribution="GGX", IOR=1.3), 0.3)
 
     def test_principled(self):
         kinds = {

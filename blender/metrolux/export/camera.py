@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from .. import compat
 from .xml import add, plugin, transform
 
 # Blender looks along -z with +y up; Mitsuba along +z.
@@ -93,10 +94,9 @@ def _orthographic(camera, matrix, size, problems, thing):
 
 
 def _panorama(data, problems, thing):
-    settings = getattr(data, "cycles", data)
-    kind = getattr(data, "panorama_type", None) or getattr(settings, "panorama_type", "EQUIRECTANGULAR")
+    kind = compat.cycles_setting(data, "panorama_type", "EQUIRECTANGULAR")
     if kind == "FISHEYE_EQUIDISTANT":
-        angle = getattr(data, "fisheye_fov", None) or getattr(settings, "fisheye_fov", math.pi)
+        angle = compat.cycles_setting(data, "fisheye_fov", math.pi)
         return plugin("sensor", "fisheye", fov=math.degrees(angle))
     if kind != "EQUIRECTANGULAR":
         problems.add(thing, f"the panorama {kind} is not supported; EQUIRECTANGULAR is taken")

@@ -1,7 +1,7 @@
 """Lights, with the radiometry of Cycles (P is the power in Blender's watts, c the light's color):
 
 - Point, Spot: intensity P c / (4 pi); with a radius r, a sphere of radiance P c / (4 pi^2 r^2).
-- Area of area A: radiance P c / (4 A) on one side. Blender's watts are not those of physics here: the flux is pi/4 P.
+- Area of area A: radiance P c / (pi A) on one side, before Blender 4.0 P c / (4 A).
 - Sun: irradiance P c on a surface that faces it; with an angle, a disk in the sky (world.py).
 """
 
@@ -66,7 +66,7 @@ class Lights:
         if np.any(power < 0):
             self._problems.add(thing, "light that is taken away is not supported; negative channels are 0")
             power = np.maximum(power, 0)
-        if not getattr(light, "use_shadow", True) or not getattr(light.cycles, "cast_shadow", True):
+        if not getattr(light, "use_shadow", True) or not compat.cycles_setting(light, "cast_shadow", True):
             self._problems.add(thing, "lights without shadows are not supported; it casts them")
         if not compat.light_is_normalized(light):
             self._problems.add(thing, "a power that is not normalized is read as if it were")
@@ -114,7 +114,7 @@ class Lights:
         self.elements.append(emitter)
 
     def _area(self, light, thing, matrix, power):
-        if light.cycles.is_portal if hasattr(light, "cycles") and hasattr(light.cycles, "is_portal") else False:
+        if compat.cycles_setting(light, "is_portal", False):
             return  # a portal only guides Cycles
         if compat.light_spread(light) < math.pi - 1e-3:
             self._problems.add(thing, "a spread below 180 degrees is not supported; it shines to all of its side")
@@ -133,7 +133,7 @@ class Lights:
         to_world = matrix.copy()
         to_world[:3, 2] = frame[:3, 2]
         add(shape, "to_world", transform(to_world @ _TURN @ np.diag([width / 2, height / 2, 1, 1])))
-        self._shape(thing, shape, power / (4 * area), matrix[:3, 3])
+        self._shape(thing, shape, compat.area_radiance(power, area), matrix[:3, 3])
 
 
 def write_spot(path, half_angle, blend):

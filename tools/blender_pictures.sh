@@ -12,5 +12,5 @@ install="import bpy, addon_utils
 bpy.ops.preferences.addon_install(filepath='$build/metrolux-blender.zip')
 addon_utils.enable('metrolux', default_set=True)"
 blender -b --factory-startup --python-exit-code 1 --python-expr "$install" \
-    -P "$root/docs/tutorial/blender/scene.py" -- "$folder" "${2:-60}"
+    -P "$root/docs/tutorial/blender/scene.py" -- "$folder" "${2:-30}"
 cp "$folder"/blender-{metrolux,cycles}.png "$root/docs/tutorial/pictures/"

@@ -7,7 +7,7 @@ BUILD := build
 help:  ## this list
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1\t\2/p' Makefile | expand -t 28
 
-demo: setup setup-page  ## installs the packages, builds, renders tiles under waves for a minute: demo.png, demo.exr
+demo: setup  ## installs the packages, builds, renders tiles under waves for a minute: demo.png, demo.exr
 	cmake --preset release
 	cmake --build --preset release --target metrolux_command
 	$(BUILD)/metrolux render scenes/water-sds/scene.xml --time 60s -o demo.exr -o demo.png
@@ -28,10 +28,10 @@ setup:
 	@dpkg-query -W -f='$${Status}\n' $(PACKAGES) 2>/dev/null | grep -c '^install ok installed$$' | \
 	  grep -qx $(words $(PACKAGES)) || $(call install,$(PACKAGES))
 
-# npm bundles the page of `metrolux study`. Node from elsewhere brings its own npm, with which Debian's conflicts.
+# npm bundles the page of `metrolux study` for its test. Node from elsewhere brings its own npm, with which Debian's conflicts.
 setup-page:
 	@command -v npm >/dev/null || $(call install,nodejs npm ca-certificates) || \
-	  echo "without npm: metrolux study will write no page"
+	  echo "without npm: the page of metrolux study is not tested"
 
 # For the tests of that page and of the page of metrolux view.
 setup-browser:
@@ -76,17 +76,27 @@ blender-reference:  ## the tables of docs/reference/blender.md, from the exporte
 blender-pictures: build blender-addon setup-blender  ## the pictures of docs/tutorial/blender.md
 	tools/blender_pictures.sh $(BUILD)
 
+# What is installed runs on any x86-64 and has a second build for processors with AVX2.
 PREFIX := /usr/local
 install: setup  ## the command, libmetrolux.so, its headers and CMake package, below PREFIX=/usr/local
-	cmake --preset release
-	cmake --build --preset release --target metrolux_command metrolux_library
-	$(SUDO) cmake --install $(BUILD) --prefix $(PREFIX)
+	cmake --preset package
+	cmake --build --preset package --target metrolux_command metrolux_library
+	$(SUDO) cmake --install build-package --prefix $(PREFIX)
 	$(SUDO) ldconfig
 
-viewer: setup setup-page  ## bundles the page of metrolux study again, for example when npm's registry was not there before
+packages: setup setup-python  ## Debian packages, in build-package/packages
+	cmake --preset package
+	cmake --build --preset package
+	rm -rf build-package/packages
+	cd build-package && cpack
+
+test-packages: packages  ## installs them in a fresh Debian and renders there, also as on a processor of 2008
+	@command -v debootstrap >/dev/null && command -v qemu-x86_64 >/dev/null || $(call install,debootstrap qemu-user)
+	$(SUDO) tools/test_packages.sh build-package/packages
+
+viewer: setup setup-page  ## bundles the page of metrolux study, web/viewer.html, from web/src
 	cmake --preset release
-	rm -f $(BUILD)/web/page_template.cpp
-	cmake --build --preset release --target metrolux_command
+	cmake --build --preset release --target viewer
 
 bench: setup  ## kernels and whole renders, to build/bench/results; SCENES=... for other scenes, QUICK=1 for small sizes
 	cmake --preset release -DMETROLUX_BENCH=ON

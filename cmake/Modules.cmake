@@ -10,9 +10,6 @@ target_compile_options(metrolux_options INTERFACE
 if(METROLUX_WERROR)
   target_compile_options(metrolux_options INTERFACE -Werror)
 endif()
-if(METROLUX_ARCH AND CMAKE_BUILD_TYPE STREQUAL "Release")
-  target_compile_options(metrolux_options INTERFACE -march=${METROLUX_ARCH})
-endif()
 if(METROLUX_SANITIZE)
   target_compile_options(metrolux_options INTERFACE -fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
   target_link_options(metrolux_options INTERFACE -fsanitize=address,undefined)
@@ -29,6 +26,22 @@ if(METROLUX_COVERAGE)
   target_link_options(metrolux_options INTERFACE --coverage)
 endif()
 
+
+# All modules are built once for METROLUX_ARCH and once more for each of METROLUX_LEVELS, as targets whose names end in the level.
+# The dynamic linker takes the library of the processor's level (src/CMakeLists.txt).
+foreach(level "" ${METROLUX_LEVELS})
+  set(arch ${METROLUX_ARCH})
+  set(suffix "")
+  if(level)
+    set(arch ${level})
+    set(suffix -${level})
+  endif()
+  add_library(metrolux_arch${suffix} INTERFACE)
+  if(arch AND CMAKE_BUILD_TYPE STREQUAL "Release")
+    target_compile_options(metrolux_arch${suffix} INTERFACE -march=${arch})
+  endif()
+endforeach()
+
 # metrolux_module(name DEPENDS modules... LIBRARIES external... INSIDE external... GENERATED sources...): headers of modules include
 # those of LIBRARIES, and nothing of INSIDE.
 function(metrolux_module name)
@@ -37,14 +50,21 @@ function(metrolux_module name)
   if(NOT sources)
     set(sources ${PROJECT_SOURCE_DIR}/cmake/empty.cpp)
   endif()
-  add_library(metrolux_${name} STATIC ${sources} ${ARG_GENERATED})
-  target_include_directories(metrolux_${name} PUBLIC ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include)
-  # They are parts of the shared library, which exports what include/metrolux declares.
-  set_target_properties(metrolux_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
-    VISIBILITY_INLINES_HIDDEN ON)
-  target_link_libraries(metrolux_${name} PUBLIC metrolux_options ${ARG_LIBRARIES})
-  target_link_libraries(metrolux_${name} PRIVATE ${ARG_INSIDE})
-  foreach(module ${ARG_DEPENDS})
-    target_link_libraries(metrolux_${name} PUBLIC metrolux_${module})
+  foreach(level "" ${METROLUX_LEVELS})
+    set(suffix "")
+    if(level)
+      set(suffix -${level})
+    endif()
+    set(target metrolux_${name}${suffix})
+    add_library(${target} STATIC ${sources} ${ARG_GENERATED})
+    target_include_directories(${target} PUBLIC ${PROJECT_SOURCE_DIR}/src ${PROJECT_SOURCE_DIR}/include)
+    # They are parts of the shared library, which exports what include/metrolux declares.
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
+      VISIBILITY_INLINES_HIDDEN ON)
+    target_link_libraries(${target} PUBLIC metrolux_options metrolux_arch${suffix} ${ARG_LIBRARIES})
+    target_link_libraries(${target} PRIVATE ${ARG_INSIDE})
+    foreach(module ${ARG_DEPENDS})
+      target_link_libraries(${target} PUBLIC metrolux_${module}${suffix})
+    endforeach()
   endforeach()
 endfunction()

@@ -27,5 +27,6 @@ Run addBenchCommand(CLI::App& parent);
 Run addInfoCommand(CLI::App& parent);
 Run addConvertCommand(CLI::App& parent);
 Run addIntegratorsCommand(CLI::App& parent);
+Run addCompletionsCommand(CLI::App& parent);
 
 }  // namespace metrolux::core::app

@@ -217,8 +217,6 @@ class StudyRunner {
             makeFolder(folder(i));
             checkWritable(folder(i) / "study.json");
         }
-        if (!study::pageProblem().empty())
-            spdlog::warn("there will be no index.html: {}", study::pageProblem());
     }
 
     int run() {
@@ -265,10 +263,7 @@ class StudyRunner {
     }
 
     void writeReport(const study::SceneStudy& study, size_t i) {
-        writing([&] {
-            const std::string problem = study::writeReport(study, a_.plan, provenance_, folder(i));
-            if (!problem.empty()) spdlog::warn("no index.html: {}", problem);
-        });
+        writing([&] { study::writeReport(study, a_.plan, provenance_, folder(i)); });
     }
 
     std::optional<study::Reference> reference(const Scene& scene, size_t i) {
@@ -318,8 +313,7 @@ class StudyRunner {
         for (const study::Contribution& contribution : study.contributions)
             rendered_ = rendered_ || !contribution.runs.empty();
         if (!a_.render.quiet) fmt::print("{}\n", study::markdownTable(study, a_.plan));
-        spdlog::info("wrote {}",
-                     (folder(i) / (study::pageProblem().empty() ? "index.html" : "study.json")).string());
+        spdlog::info("wrote {}", (folder(i) / "index.html").string());
     }
 
     StudyArguments& a_;

@@ -8,9 +8,6 @@
 
 namespace metrolux::core::study {
 
-/// Why this program cannot write the page (it was built without its template); empty: it can.
-std::string pageProblem();
-
 /// An image of the page.
 struct PageImage {
     std::string name;        ///< label of the entrant, or "reference"
@@ -23,7 +20,7 @@ inline constexpr size_t kLargestFloatPage = size_t{64} << 20;  ///< bytes of all
 
 /// The page. Pixels are kept in single precision, as in the EXR files, while all of them together need no
 /// more than kLargestFloatPage bytes, else in half precision (11 bits; values above 65504 become that); the
-/// page says which. Throws std::logic_error when pageProblem().
+/// page says which.
 std::string studyPage(const nlohmann::ordered_json& study, const std::vector<PageImage>& images);
 
 /// Pixels row by row, RGB, each number little-endian, the first bytes of all numbers before the second ones

@@ -281,15 +281,13 @@ void writeRun(const SceneStudy& study, const Plan& plan, size_t entrant, const R
                 folder);
 }
 
-std::string writeReport(const SceneStudy& study, const Plan& plan, const Provenance& provenance,
-                        const fs::path& folder) {
+void writeReport(const SceneStudy& study, const Plan& plan, const Provenance& provenance,
+                 const fs::path& folder) {
     const Json json = studyJson(study, plan, provenance);
     writeFile(folder / "study.json", json.dump(2) + "\n");
     writeFile(folder / "curves.csv", curvesCsv(study, plan));
     writeFile(folder / "table.md", markdownTable(study, plan));
-    if (!pageProblem().empty()) return pageProblem();
     writeFile(folder / "index.html", studyPage(json, pageImages(study, plan)));
-    return {};
 }
 
 }  // namespace metrolux::core::study

@@ -38,9 +38,8 @@ void writeReference(const SceneStudy& study, const Provenance& provenance,
 /// Writes EXR and PNG of a run that has an image. Throws Error.
 void writeRun(const SceneStudy& study, const Plan& plan, size_t entrant, const Run& run,
               const Provenance& provenance, const std::filesystem::path& folder);
-/// Writes study.json, curves.csv, table.md and index.html. Returns why the page was not written; empty: it
-/// was. Throws Error.
-std::string writeReport(const SceneStudy& study, const Plan& plan, const Provenance& provenance,
-                        const std::filesystem::path& folder);
+/// Writes study.json, curves.csv, table.md and index.html. Throws Error.
+void writeReport(const SceneStudy& study, const Plan& plan, const Provenance& provenance,
+                 const std::filesystem::path& folder);
 
 }  // namespace metrolux::core::study

@@ -117,10 +117,22 @@ TEST_F(StudyTest, InterruptedWritesWhatIsThere) {
     EXPECT_GE(json["entrants"][0]["summary"]["runs"], 1);
 }
 
+/// The page of the repository is the one that its sources make: `make viewer` makes it.
+TEST_F(StudyTest, PageIsMadeOfItsSources) {
+    const auto contentOf = [](const fs::path& file) {
+        std::ostringstream text;
+        text << std::ifstream(file, std::ios::binary).rdbuf();
+        return text.str();
+    };
+    const fs::path bundled = fs::path(METROLUX_BINARY_DIR) / "web/viewer.html";
+    if (!fs::exists(bundled)) GTEST_SKIP() << "built without node and npm";
+    EXPECT_TRUE(contentOf(bundled) == contentOf(fs::path(METROLUX_SOURCE_DIR) / "web/viewer.html"));
+}
+
 /// The page in headless Chromium: web/test/page.mjs opens it, operates it and prints what it saw.
 TEST_F(StudyTest, PageWorksInABrowser) {
     const fs::path web = fs::path(METROLUX_BINARY_DIR) / "web";
-    if (!fs::exists(web / "viewer.html")) GTEST_SKIP() << "built without node: no page";
+    if (!fs::exists(web / "viewer.html")) GTEST_SKIP() << "built without node and npm";
     if (std::system("command -v chromium >/dev/null") != 0) GTEST_SKIP() << "chromium is not installed";
     ASSERT_EQ(
         run(study({"--integrators", "path,vcm", "--passes", "4", "--seeds", "2", "--ref", "ref.exr"})).status,

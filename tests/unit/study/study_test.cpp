@@ -231,9 +231,8 @@ TEST_F(SmallStudy, FilesAreWritten) {
     fs::create_directories(folder);
     writeReference(study, {}, folder);
     writeRun(study, plan, 1, study.contributions[1].runs[0], {}, folder);
-    const std::string problem = writeReport(study, plan, {}, folder);
-    EXPECT_EQ(problem, pageProblem());
-    EXPECT_EQ(fs::exists(folder / "index.html"), problem.empty());
+    writeReport(study, plan, {}, folder);
+    EXPECT_TRUE(fs::exists(folder / "index.html"));
     EXPECT_EQ(readImage(folder / "vcm-seed1.exr", false).pixels, study.contributions[1].runs[0].image.pixels);
     EXPECT_EQ(readImage(folder / "reference.exr", false).pixels, study.reference.image.pixels);
     EXPECT_TRUE(fs::exists(folder / "study.json"));
@@ -268,7 +267,6 @@ TEST(PagePixels, AreBase64OfZlibOfBytePlanes) {
 }
 
 TEST(StudyPage, CannotBeBrokenByWhatItShows) {
-    if (!pageProblem().empty()) GTEST_SKIP() << pageProblem();
     const ImageData image{1, 1, 3, {1, 2, 3}};
     const std::string hostile = "</script><script>alert(1)</script><!--";
     const std::string page = studyPage({{"scene", hostile}}, {{hostile, &image}});

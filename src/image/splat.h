@@ -5,6 +5,24 @@
 
 namespace metrolux::core {
 
+/// Second moments of estimates of pixels, of what eye subpaths would be surprised by (EyeTail).
+struct Surprise {
+    double alone = 0;     ///< if eye subpaths were alone
+    double together = 0;  ///< of all techniques with their weights
+    Surprise& operator+=(const Surprise& s) {
+        alone += s.alone;
+        together += s.together;
+        return *this;
+    }
+    friend Surprise operator*(double factor, const Surprise& s) {
+        return {factor * s.alone, factor * s.together};
+    }
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(alone, together);
+    }
+};
+
 /// What one light subpath contributes: to the pixel of an eye subpath (connections and merges), or to a
 /// raster position (connections to the camera), which the film spreads with its filter.
 struct SplatList {
@@ -29,10 +47,11 @@ struct SplatList {
     /// The part of size() that eye subpaths compete for: luminances times the MIS weight that hit and nee
     /// have of the same paths.
     double shared = 0;
+    Surprise surprise{};  ///< sum of EyeTail::surprise(), where it is asked for
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(pixels, film, shared);
+        archive(pixels, film, shared, surprise);
     }
     void add(uint32_t pixel, const Rgb& value, float eyeShare) {
         pixels.push_back({pixel, value});
@@ -44,6 +63,7 @@ struct SplatList {
     }
     void clear() {
         shared = 0;
+        surprise = {};
         pixels.clear();
         film.clear();
     }

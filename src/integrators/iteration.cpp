@@ -151,8 +151,8 @@ void IteratedIntegrator::addPass(Film& film, uint32_t pass) {
         iterate(film, pass, partition_.pixels(part), first);
         first += partition_.pixels(part).size();
     }
-    endPass();
     if (eyeFactors_) eyeFactors_->endPass();
+    endPass();
     radius_.advance();
 }
 

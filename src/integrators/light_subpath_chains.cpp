@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace metrolux::core {
@@ -20,6 +21,7 @@ struct LightSubpathModel {
     std::vector<std::vector<Vec3f>>* trails;  ///< of each lane, may be null
     const ReplicaMixture& mix;
     MixtureDensity* density;  ///< measured, if given
+    std::vector<Surprise>& surprises;
 
     void startUniform(PrimarySample&, CounterRng&, size_t, size_t) const {}
     using Evaluations = std::span<const Evaluation<LightSubpathContribution>>;
@@ -40,6 +42,7 @@ struct LightSubpathModel {
         if (density)
             density->add(lane, weight, mix.uniformWeight(c.size), c.splats.shared,
                          iteration.noise ? c.squares : 0);
+        surprises[lane] += weight * c.splats.surprise;
         if (trails) (*trails)[lane].insert((*trails)[lane].end(), c.trail.begin(), c.trail.end());
     }
 };
@@ -93,7 +96,9 @@ void LightSubpathChains::run(const LightSubpathPass& pass, Film& film, const Lig
                                   photons,
                                   keepTrails ? &trails_ : nullptr,
                                   mix_,
-                                  measureDensity ? &density_ : nullptr};
+                                  measureDensity ? &density_ : nullptr,
+                                  surprises_};
+    std::fill(surprises_.begin(), surprises_.end(), Surprise{});
     lanes_.run(model, mix_, iteration.pass, iteration.first);
     if (photons && mix_.uniform > 0) photons->endIteration(mix_.uniform);
     lanes_.endIteration(squaredRadius_);
@@ -122,6 +127,12 @@ void LightSubpathChains::plainRun(const LightSubpathPass& pass, Film& film,
     // chains.
     if (!boostKnown_) lanes_.normalization().forgetSizes();
     ready_ = std::exchange(boostKnown_, true);
+}
+
+Surprise LightSubpathChains::surprise() const {
+    Surprise sum;
+    for (const Surprise& s : surprises_) sum += s;
+    return sum;
 }
 
 std::vector<Vec3f> LightSubpathChains::trails() const {

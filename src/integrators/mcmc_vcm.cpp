@@ -1,6 +1,7 @@
-#include "integrators/chain_choice.h"
 #include "integrators/description.h"
 #include "integrators/light_subpath_chains.h"
+#include "integrators/light_subpath_choice.h"
+#include "integrators/pass_noise.h"
 #include "integrators/resumable.h"
 
 namespace metrolux::core {
@@ -56,6 +57,23 @@ ReplicaSettings settingsOf(uint64_t seed, const McmcVcmParameters& parameters, s
     return settings;
 }
 
+/// Whether eye subpaths can find all that light subpaths carry: light of a lamp without extent that has been
+/// reflected or refracted by a mirror or glass can only be found from the lamp.
+bool eyeSubpathsFindAll(const Scene& scene) {
+    bool delta = false;
+    for (const LightPtr& light : scene.lights()) {
+        if (!light->isConnectable()) return false;
+        delta |= light->isDelta();
+    }
+    if (!delta) return true;
+    const auto specular = [](const ShapePtr& shape) { return shape->bsdf && shape->bsdf->hasDeltaLobe(); };
+    const SceneParts& parts = scene.parts();
+    return std::none_of(parts.shapes.begin(), parts.shapes.end(), specular) &&
+           std::none_of(parts.instances.begin(), parts.instances.end(), [&](const Instance& instance) {
+               return std::any_of(instance.group->shapes.begin(), instance.group->shapes.end(), specular);
+           });
+}
+
 /// Vertex connection and merging whose light subpaths come from Markov chains (Sik, Otsu, Hachisuka, Krivanek
 /// 2016; docs/explain/algorithm.md, section 3). Eye subpaths are stratified Monte Carlo.
 class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedIntegrator> {
@@ -64,63 +82,133 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         : Resumable(scene, options, parameters.merging),
           parameters_(parameters),
           chains_(settingsOf(options.seed, parameters, partition_.pixels(0).size())),
-          choosing_(!parameters.fixed && parameters.replicas.replicas == parameters.replicas.possible) {
+          choosing_(!parameters.fixed && parameters.replicas.replicas == parameters.replicas.possible),
+          choice_(choosing_ && parameters.variance.varianceAware && eyeSubpathsFindAll(scene)) {
         chains_.measureDensity = !parameters.fixed;
         weighByPhotons(parameters.weighing);
         weighByVariance(parameters.variance);
+        if (choice_.noneMayDo()) noise_ = std::make_unique<PassNoise>();
     }
 
     template <class Archive>
     void serialize(Archive& archive) {
         serializeIteration(archive);
-        archive(chains_, choice_);
+        archive(chains_, choice_, passCounts_, work_, surprise_, verdict_);
+        if (noise_) archive(*noise_);
     }
     nlohmann::json statistics() const override {
         nlohmann::json j = chains_.statistics();
         j.update(iterationStatistics());
-        j["light_subpaths"] = usesChains() ? "chains" : "independent";
+        j["light_subpaths"] = nameOf(lightSubpaths());
         j["boost"] = chains_.density().ofShared() / samples();
         j["gain_of_chains"] = gainOfChains();
+        if (noise_)
+            j["eye_subpaths_alone"] = {{"noise", verdict_.aloneNoise},
+                                       {"noise_with_light_subpaths", verdict_.noise},
+                                       {"all_noise", verdict_.aloneAllNoise},
+                                       {"all_noise_with_light_subpaths", verdict_.allNoise},
+                                       {"surprise", verdict_.surprise.alone},
+                                       {"surprise_with_light_subpaths", verdict_.surprise.together},
+                                       {"time_over_that_with_light_subpaths", verdict_.eyeShare}};
         return j;
     }
     std::string progressNote() const override {
-        return chains_.progressNote() + (usesChains() ? "" : ", independent light subpaths");
+        return fmt::format("{}, light subpaths: {}", chains_.progressNote(), nameOf(lightSubpaths()));
     }
 
   private:
     void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) override {
+        if (first == 0) beginPass(film);
+        const LightSubpaths kind = lightSubpaths();
+        if (kind == LightSubpaths::None) return eyesAlone(film, pass, pixels);
+
+        const bool chains = kind == LightSubpaths::Chains;
         const double n = double(pixels.size()), r = radius_.radius();
-        chains_.begin(pixels.size(), r, usesChains());
+        chains_.begin(pixels.size(), r, chains);
         Strategies strategies = Strategies::bidirectional(chains_.effectiveSamples() / n,
                                                           n * std::numbers::pi * r * r, photons_.get());
         strategies.eyeFactors = eyeFactors_.get();
         strategies.connect = parameters_.connections;
         if (!(strategies.connect > 0))
-            strategies.connect = usesChains() ? kChainConnections : kIndependentConnections;
+            strategies.connect = chains ? kChainConnections : kIndependentConnections;
         traceEyes(eyePass(strategies, pass), pixels, film);
         grid_.build(positionsOf(eyes_.all()), static_cast<float>(r));
-        const LightSubpathPass light = lightSubpathPass(strategies);
-        const bool relative = parameters_.target == McmcVcmParameters::Target::Relative;
-        const bool measured = parameters_.replicas.split.measured || (choosing_ && choice_.judging());
-        if (first == 0 && (relative || measured)) importance_.update(film);
+        LightSubpathPass light = lightSubpathPass(strategies);
         LightSubpathIteration iteration{pass, first, pixels.size(), n / film.pixelCount()};
-        if (relative) iteration.target = &importance_;
-        if (measured) iteration.noise = &importance_;
+        if (parameters_.target == McmcVcmParameters::Target::Relative) iteration.target = &importance_;
+        if (parameters_.replicas.split.measured || judging()) iteration.noise = &importance_;
+        TechniqueWork work;
+        if (noise_ && noise_->open()) {
+            light.work = &work;
+            if (chains) light.tail = &noise_->tail();
+        }
         chains_.run(light, film, iteration, photons_.get());
+        if (noise_ && noise_->open()) {
+            work_.add({eyes_.all().size(), work.splats, work.connections, work.merges});
+            if (chains) surprise_ += chains_.surprise();
+        }
+    }
+
+    /// What the last pass has shown decides about this one.
+    void beginPass(const Film& film) {
+        const LightSubpaths before = lightSubpaths();
+        const bool judged = judging();
+        if (judged || parameters_.target == McmcVcmParameters::Target::Relative ||
+            parameters_.replicas.split.measured)
+            importance_.update(film);
+        if (noise_ && noise_->open()) noise_->close(film, std::exchange(work_, {}));
+        if (passCounts_)
+            choice_.endPass(gainOfChains(), [&] {
+                verdict_ = noise_->verdict(film, *eyeFactors_, importance_,
+                                           choice_.chosen() != LightSubpaths::None, surprise_);
+                return verdict_.aloneWins();
+            });
+        if (!judged && judging()) importance_.update(film);
+        if (!noise_ || !chains_.ready()) return;
+        if (choice_.halfWay()) noise_->noteHalf(film, *eyeFactors_);
+        if (judging()) {
+            noise_->begin(film, *eyeFactors_, importance_, before != lightSubpaths(), partition_.parts());
+            if (lightSubpaths() == LightSubpaths::Chains) surprise_ = {};
+        } else {
+            noise_->end();
+        }
+    }
+    void endPass() override {
+        passCounts_ = choosing_ && chains_.ready();
+        if (noise_) noise_->addEyes(*eyeFactors_);
+    }
+
+    void eyesAlone(Film& film, uint32_t pass, std::span<const uint32_t> pixels) {
+        const Strategies strategies = Strategies::path();
+        traceEyes(eyePass(strategies, pass), pixels, film);
     }
 
     /// Light subpaths of an iteration.
     double samples() const { return double(partition_.pixels(0).size()); }
     double gainOfChains() const { return chains_.density().ofNoise() / samples(); }
-    bool usesChains() const { return !choosing_ || choice_.chains(); }
-    void endPass() override {
-        if (choosing_ && chains_.ready()) choice_.endPass(gainOfChains());
+    LightSubpaths lightSubpaths() const { return choosing_ ? choice_.next() : LightSubpaths::Chains; }
+    bool judging() const { return choosing_ && choice_.judging(); }
+    static const char* nameOf(LightSubpaths kind) {
+        switch (kind) {
+            case LightSubpaths::Chains:
+                return "chains";
+            case LightSubpaths::Independent:
+                return "independent";
+            case LightSubpaths::None:
+                break;
+        }
+        return "none";
     }
 
     McmcVcmParameters parameters_;
     LightSubpathChains chains_;
     bool choosing_;
-    ChainChoice choice_;
+    LightSubpathChoice choice_;
+    std::unique_ptr<PassNoise> noise_;  ///< null where there is no choice of none
+    PassNoise::Verdict verdict_;        ///< the last one
+    PassWork work_;                     ///< of the pass
+    Surprise surprise_;                 ///< of the last judged pass of chains
+    bool passCounts_ = false;           ///< choice_ is to be told of the last pass
     PixelImportance importance_;
 };
 

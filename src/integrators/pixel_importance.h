@@ -15,6 +15,8 @@ class PixelImportance {
     /// is multiplied by one: F keeps its scale.
     void update(const Film& film);
 
+    /// Of a pixel, an index in the window.
+    float of(size_t pixel) const { return values_[pixel]; }
     /// Sum over the splats of luminance times importance: F(u) of docs/explain/algorithm.md section 3 with
     /// this target.
     double size(const SplatList& splats) const;

@@ -74,7 +74,7 @@ bool prepareCamera(const Scene& scene, const Strategies& strategies, const Verte
     const LightWeight weight =
         splatWeight(strategies, light.mis, strategies.regionOf(raster), pdfAreaFromEye, s.pdfReverse);
     pending.value = light.throughput * s.value * c->value * static_cast<float>(weight.weight);
-    pending.eyeShare = static_cast<float>(weight.eyeShare);
+    pending.eye = weight.eye;
     return !isBlack(pending.value);
 }
 
@@ -96,7 +96,7 @@ bool prepareVertices(const Scene& scene, const Strategies& strategies, const Ver
                                              l.pdfReverse, e.pdfReverse);
     pending.value = light.throughput * l.value * eye.throughput * e.value *
                     static_cast<float>(weight.weight / distanceSquared);
-    pending.eyeShare = static_cast<float>(weight.eyeShare);
+    pending.eye = weight.eye;
     if (isBlack(pending.value)) return false;
     pending.shadow = scene.rayBetween(eye.si.p, eye.si.ng, light.si.p, light.si.ng);
     return true;
@@ -105,7 +105,7 @@ bool prepareVertices(const Scene& scene, const Strategies& strategies, const Ver
 namespace {
 LightFinding findingOf(const Scene& scene, bool possible, const PendingConnection& pending) {
     if (!possible) return {};
-    return {throughEdge(pending.value, visibility(scene, pending.shadow)), pending.eyeShare};
+    return {throughEdge(pending.value, visibility(scene, pending.shadow)), pending.eye};
 }
 }  // namespace
 
@@ -141,7 +141,7 @@ LightFinding mergeVertices(const Strategies& strategies, const Vertex& light, co
     const LightWeight weight = mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse);
     return {light.throughput * eye.throughput * s.value *
                 static_cast<float>(weight.weight * inverseDiskArea / cosineLight),
-            static_cast<float>(weight.eyeShare)};
+            weight.eye};
 }
 
 }  // namespace metrolux::core

@@ -23,10 +23,10 @@ EyeFinding hitEnvironment(const Scene& scene, const Strategies& strategies, cons
 
 /// A connection whose visibility is still to be asked for.
 struct PendingConnection {
-    Rgb value{0.0f};     ///< if nothing is in the way
-    Ray shadow;          ///< of visibility()
-    float alone = 0;     ///< of next-event estimation: EyeFinding::alone if nothing is in the way
-    float eyeShare = 0;  ///< of a light vertex: LightWeight::eyeShare
+    Rgb value{0.0f};  ///< if nothing is in the way
+    Ray shadow;       ///< of visibility()
+    float alone = 0;  ///< of next-event estimation: EyeFinding::alone if nothing is in the way
+    EyeRival eye;     ///< of a light vertex: LightWeight::eye
 };
 
 /// Share of the light that passes an edge whose shadow ray is blocked by a surface or not.
@@ -50,7 +50,7 @@ EyeFinding connectToLight(const Scene& scene, const Strategies& strategies, cons
 /// What a light subpath finds.
 struct LightFinding {
     Rgb value{0.0f};
-    float eyeShare = 0;  ///< LightWeight::eyeShare
+    EyeRival eye;  ///< LightWeight::eye
 };
 
 /// Light vertex to the camera (t = 1). The value is per pixel area at `raster`. False when it is zero

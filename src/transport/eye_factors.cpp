@@ -40,22 +40,25 @@ EyeFactors::EyeFactors(const FilmWindow& window)
       rows_((window.height + tile_ - 1) / tile_),
       current_(size_t(window.pixelCount()) * kClasses),
       previous_(current_.size()),
-      second_(size_t(columns_) * size_t(rows_) * kStride),
+      second_(size_t(columns_) * size_t(rows_) * kClasses),
       variance_(second_.size()),
-      factors_(second_.size(), 1.0f) {}
+      factors_(second_.size(), 1.0f),
+      largest_(regionCount(), 0.0f) {}
 
 void EyeFactors::endPass() {
     parallelFor(size_t(columns_) * size_t(rows_), [&](size_t region) {
         const int x0 = static_cast<int>(region) % columns_ * tile_,
                   y0 = static_cast<int>(region) / columns_ * tile_;
         for (int y = y0; y < std::min(y0 + tile_, window_.height); ++y)
-            for (int x = x0; x < std::min(x0 + tile_, window_.width); ++x)
+            for (int x = x0; x < std::min(x0 + tile_, window_.width); ++x) {
+                const size_t pixel = size_t(y) * size_t(window_.width) + size_t(x);
+                largest_[region] = std::max(largest_[region], sumOf(current_, pixel, 1));
                 for (size_t k = 0; k < kClasses; ++k) {
-                    const size_t i = (size_t(y) * size_t(window_.width) + size_t(x)) * kClasses + k,
-                                 to = region * kStride + k + 1;
+                    const size_t i = pixel * kClasses + k, to = region * kClasses + k;
                     second_[to] += sqr(double(current_[i]));
                     if (passes_ > 0) variance_[to] += 0.5 * sqr(double(current_[i]) - double(previous_[i]));
                 }
+            }
     });
     std::swap(current_, previous_);
     ++passes_;
@@ -66,7 +69,7 @@ void EyeFactors::updateFactors() {
     if (passes_ < 2) return;
     const double differences = double(passes_ - 1) * tile_ * tile_;
     for (size_t i = 0; i < factors_.size(); ++i) {
-        const size_t smooth = i % kStride;
+        const size_t smooth = i % kClasses;
         if (smooth == 0 || !(second_[i] > 0)) continue;
         const double variance = variance_[i] / (passes_ - 1), second = second_[i] / passes_;
         const double ratio = variance / second + kDoubt / differences;
@@ -77,8 +80,8 @@ void EyeFactors::updateFactors() {
 
 double EyeFactors::mean(int smooth) const {
     double sum = 0;
-    for (size_t i = static_cast<size_t>(smooth); i < factors_.size(); i += kStride) sum += factors_[i];
-    return sum / (double(factors_.size()) / double(kStride));
+    for (size_t i = static_cast<size_t>(smooth); i < factors_.size(); i += kClasses) sum += factors_[i];
+    return sum / (double(factors_.size()) / double(kClasses));
 }
 
 }  // namespace metrolux::core

@@ -17,12 +17,11 @@ struct PathClass {
 };
 
 /// What an eye subpath finds by hit and nee, as a path tracer would weigh it: luminance by PathClass::smooth,
-/// from 1 on, the last for all more.
-using EyeEstimate = std::array<float, 3>;
-/// Adds what is found on a path with so many smooth vertices. (One without is seen directly and has no other
-/// technique.)
+/// the last for all more. (The first is seen directly and has no other technique.)
+using EyeEstimate = std::array<float, 4>;
+/// Adds what is found on a path with so many smooth vertices.
 inline void addTo(EyeEstimate& estimate, int smooth, float luminance) {
-    if (smooth > 0) estimate[std::min<size_t>(static_cast<size_t>(smooth), estimate.size()) - 1] += luminance;
+    estimate[std::min(static_cast<size_t>(smooth), estimate.size() - 1)] += luminance;
 }
 
 /// Variance-aware weights. The balance heuristic takes every technique for one whose variance is its second
@@ -41,8 +40,15 @@ class EyeFactors {
                   y = std::clamp(static_cast<int>(std::floor(raster.y)) - window_.y, 0, window_.height - 1);
         return static_cast<uint16_t>(y / tile_ * columns_ + x / tile_);
     }
+    /// Of a pixel, an index in the window.
+    uint16_t regionOf(uint32_t pixel) const {
+        const int x = static_cast<int>(pixel) % window_.width, y = static_cast<int>(pixel) / window_.width;
+        return static_cast<uint16_t>(y / tile_ * columns_ + x / tile_);
+    }
+    int pixelCount() const { return window_.pixelCount(); }
+    size_t regionCount() const { return size_t(columns_) * size_t(rows_); }
     float at(const PathClass& c) const {
-        return factors_[c.region * kStride + std::min(static_cast<size_t>(c.smooth), kClasses)];
+        return factors_[c.region * kClasses + std::min(static_cast<size_t>(c.smooth), kClasses - 1)];
     }
 
     /// What the pass's eye subpath of a pixel has found. One call for each pixel; pixels may be set at once.
@@ -51,24 +57,35 @@ class EyeFactors {
     }
     /// Closes a pass: the next has new factors.
     void endPass();
+    /// What the eye subpath of a pixel has found in the last pass, and what in the one before; until the next
+    /// calls set().
+    float lastOf(size_t pixel) const { return sumOf(previous_, pixel, 0); }
+    float lastButOneOf(size_t pixel) const { return sumOf(current_, pixel, 0); }
+    /// Per region: the most that an eye subpath has found on paths that are not seen directly.
+    const std::vector<float>& largest() const { return largest_; }
 
+    uint32_t passes() const { return passes_; }
     /// Mean of the factors over the film, of the paths with so many smooth vertices.
     double mean(int smooth) const;
 
     /// Between two passes.
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(passes_, previous_, second_, variance_);
-        checkState(previous_.size() == current_.size() && second_.size() == factors_.size() &&
-                       variance_.size() == factors_.size(),
+        archive(passes_, previous_, second_, variance_, largest_);
+        checkState(largest_.size() == regionCount() && previous_.size() == current_.size() &&
+                       second_.size() == factors_.size() && variance_.size() == factors_.size(),
                    "estimates of this film's eye subpaths");
         updateFactors();
     }
 
   private:
     static constexpr size_t kClasses = std::tuple_size_v<EyeEstimate>;
-    static constexpr size_t kStride = kClasses + 1;  ///< the first is unused, 1
     void updateFactors();
+    static float sumOf(const std::vector<float>& estimates, size_t pixel, size_t first) {
+        float sum = 0;
+        for (size_t k = first; k < kClasses; ++k) sum += estimates[pixel * kClasses + k];
+        return sum;
+    }
 
     FilmWindow window_;
     int tile_, columns_, rows_;
@@ -78,6 +95,7 @@ class EyeFactors {
     /// the differences between a pass and the one before.
     std::vector<double> second_, variance_;
     std::vector<float> factors_;
+    std::vector<float> largest_;
 };
 
 }  // namespace metrolux::core

@@ -39,9 +39,8 @@ class LightSubpathVisitor final : public SubpathVisitor {
     void splat(const Vertex& v) {
         if (!pass_.limits.admits(v.depth + 1)) return;
         Vec2f raster;
-        const auto [value, eyeShare] = connectToCamera(pass_.scene, pass_.strategies, v, uLens_, raster);
-        if (!pass_.nonFinite.reject(value, Technique::Splat) && !isBlack(value))
-            job_.splats->add(raster, value, eyeShare);
+        const LightFinding found = connectToCamera(pass_.scene, pass_.strategies, v, uLens_, raster);
+        pass_.addToFilm(raster, found, *job_.splats);
     }
     void connect(const Vertex& v) {
         for (const Vertex& eye : partner_.vertices)

@@ -3,6 +3,7 @@
 #include "sampling/sample_stream.h"
 #include "spatial/vertex_grid.h"
 #include "transport/eye_pass.h"
+#include "transport/eye_tail.h"
 
 #include <atomic>
 #include <span>
@@ -36,6 +37,7 @@ struct LightSubpathPass {
     const VertexGrid& grid;         ///< over them; empty: nothing to merge with
     NonFiniteCounts& nonFinite;     ///< counts what is left out
     TechniqueWork* work = nullptr;  ///< counts, if given; in wavefronts only
+    const EyeTail* tail = nullptr;  ///< for SplatList::surprise, if given; needs Strategies::eyeFactors
 
     /// Scales: a pixel splat is the estimate of its pixel from one light subpath; divide by the number of
     /// light subpaths to average.
@@ -64,8 +66,21 @@ struct LightSubpathPass {
     void addMerge(const LightFinding& found, const Vertex& light, const Vertex& eye, SplatList& splats) const;
     /// Adds a finite contribution to a pixel.
     void addPixel(uint32_t pixel, const LightFinding& found, Technique technique, SplatList& splats) const {
-        if (!nonFinite.reject(found.value, technique) && !isBlack(found.value))
-            splats.add(pixel, found.value, found.eyeShare);
+        if (nonFinite.reject(found.value, technique) || isBlack(found.value)) return;
+        splats.add(pixel, found.value, found.eye.share);
+        if (tail) splats.surprise += surprise(strategies.regionOf(pixel), found);
+    }
+    /// Adds a finite contribution to the film.
+    void addToFilm(const Vec2f& raster, const LightFinding& found, SplatList& splats) const {
+        if (nonFinite.reject(found.value, Technique::Splat) || isBlack(found.value)) return;
+        splats.add(raster, found.value, found.eye.share);
+        if (tail) splats.surprise += tail->filmShare * surprise(strategies.regionOf(raster), found);
+    }
+
+  private:
+    Surprise surprise(uint16_t region, const LightFinding& found) const {
+        return tail->surprise(region, luminance(found.value), found.eye,
+                              std::max(strategies.hit, strategies.nee));
     }
 };
 

@@ -167,11 +167,20 @@ inline EyeWeight neeWeight(const Strategies& n, const MisState& eye, const Light
     return {1.0 / (1.0 + lightSide + eyeSide), 1.0 / (1.0 + lightSide)};
 }
 
-/// Weight of a path that a light subpath takes part in, and the weight that hit and nee have of the same
-/// path.
+/// What hit and nee have of a path that a light subpath takes part in.
+struct EyeRival {
+    float share = 0;   ///< their weight
+    float factor = 1;  ///< Strategies::eyeFactor() in it
+};
+
+/// Weight of a path that a light subpath takes part in.
 struct LightWeight {
     double weight = 1;
-    double eyeShare = 0;
+    EyeRival eye;
+
+    static LightWeight of(double weight, double eyeShare, double factor) {
+        return {weight, {static_cast<float>(eyeShare), static_cast<float>(factor)}};
+    }
 };
 
 /// Of connecting a light vertex to the camera, in a region of the film. pdfAreaFromEye: of the vertex,
@@ -182,7 +191,7 @@ inline LightWeight splatWeight(const Strategies& n, const MisState& light, uint1
     const double scale = pdfAreaFromEye / n.splat;
     const MisState::Sums s = light.sums(n, pdfFromEye, 1);
     const double weight = 1.0 / (1.0 + scale * s.total(factor));  // TR eq. 46
-    return {weight, weight * scale * factor * s.end};
+    return LightWeight::of(weight, weight * scale * factor * s.end, factor);
 }
 
 /// Of connecting two inner vertices. pdfAreaFromEye: of the light vertex, sampled by the eye vertex, and
@@ -195,7 +204,7 @@ inline LightWeight connectWeight(const Strategies& n, const MisState& light, con
     const double lightSide = pdfAreaFromEye * s.total(factor);                           // TR eq. 40
     const double eyeSide = pdfAreaFromLight * eye.sums(n, pdfReverseFromLight).total();  // TR eq. 41
     const double all = n.connect + lightSide + eyeSide;
-    return {n.connect / all, pdfAreaFromEye * factor * s.end / all};
+    return LightWeight::of(n.connect / all, pdfAreaFromEye * factor * s.end / all, factor);
 }
 
 /// Of merging. At the eye vertex: pdfFromEye of the direction to the light subpath's predecessor,
@@ -208,7 +217,7 @@ inline LightWeight mergeWeight(const Strategies& n, const MisState& light, const
     const double lightSide = s.total(factor) / n.merge;                     // TR eq. 38
     const double eyeSide = eye.sums(n, pdfFromLight, 0).total() / n.merge;  // TR eq. 39
     const double all = eye.mergeShare + lightSide + eyeSide;
-    return {eye.mergeShare / all, factor * s.end / n.merge / all};
+    return LightWeight::of(eye.mergeShare / all, factor * s.end / n.merge / all, factor);
 }
 
 }  // namespace metrolux::core

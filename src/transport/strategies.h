@@ -31,6 +31,8 @@ struct Strategies {
     double eyeFactor(const PathClass& c) const { return eyeFactors ? eyeFactors->at(c) : 1.0; }
     /// Region of a path that goes through this point of the film.
     uint16_t regionOf(const Vec2f& raster) const { return eyeFactors ? eyeFactors->regionOf(raster) : 0; }
+    /// Of a pixel, an index in the window.
+    uint16_t regionOf(uint32_t pixel) const { return eyeFactors ? eyeFactors->regionOf(pixel) : 0; }
 
     bool oneTechniqueForEachPath() const { return mergeAt == MergeAt::FirstVertex; }
     /// Whether the light subpaths need the eye subpaths' vertices.

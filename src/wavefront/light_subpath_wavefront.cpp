@@ -156,14 +156,13 @@ void LightSubpathWavefront::splat(int depth) {
         ++tried;
         if (!prepareCamera(pass_->scene, pass_->strategies, subpath.v, subpath.uLens, raster, pending))
             continue;
-        waiting_.push_back({i, 0, raster, {pending.value, pending.eyeShare}});
+        waiting_.push_back({i, 0, raster, {pending.value, pending.eye}});
         shadows_.rays.push_back(pending.shadow);
     }
     if (pass_->work) pass_->work->splats += tried;
     traceShadows();
     for (const Waiting& w : waiting_)
-        if (!pass_->nonFinite.reject(w.found.value, Technique::Splat))
-            subpaths_[w.subpath].job.splats->add(w.raster, w.found.value, w.found.eyeShare);
+        pass_->addToFilm(w.raster, w.found, *subpaths_[w.subpath].job.splats);
     waiting_.clear();
 }
 
@@ -178,7 +177,7 @@ void LightSubpathWavefront::connect(int depth) {
             ++tried;
             if (!prepareVertices(pass_->scene, pass_->strategies, subpath.v, eye, pending)) continue;
             waiting_.push_back(
-                {i, eye.pixel, Vec2f(0.0f), {pending.value * subpath.partner.scale, pending.eyeShare}});
+                {i, eye.pixel, Vec2f(0.0f), {pending.value * subpath.partner.scale, pending.eye}});
             shadows_.rays.push_back(pending.shadow);
         }
     }

@@ -7,7 +7,7 @@ namespace metrolux::core::test {
 /// Factors of all sizes, which differ from region to region and class to class: two passes of estimates that
 /// are as like each other in a pixel's region as chance says.
 inline void setRandomEyeFactors(EyeFactors& factors, uint32_t pixels, CounterRng& rng) {
-    std::vector<std::array<double, 3>> likeness(pixels / 16 + 1);
+    std::vector<std::array<double, std::tuple_size_v<EyeEstimate>>> likeness(pixels / 16 + 1);
     for (auto& l : likeness)
         for (double& x : l) x = rng.nextDouble();
     for (int pass = 0; pass < 2; ++pass) {

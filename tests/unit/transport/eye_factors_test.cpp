@@ -22,7 +22,7 @@ EyeFactors afterPasses(int passes, float spread) {
         for (uint32_t pixel = 0; pixel < kWidth * kHeight; ++pixel) {
             const float narrow = 1 + spread * (rng.next1D() < 0.5f ? -1 : 1);
             const float wide = rng.next1D() < 0.5f ? 0 : 2;
-            factors.set(pixel, {pixel % kWidth < kWidth / 2 ? narrow : wide, 0, narrow});
+            factors.set(pixel, {0, pixel % kWidth < kWidth / 2 ? narrow : wide, 0, narrow});
         }
         factors.endPass();
     }

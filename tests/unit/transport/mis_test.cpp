@@ -132,7 +132,7 @@ struct RandomPath {
         sum += ofEye;
         for (const LightWeight& w : ofLight) {
             sum += w.weight;
-            EXPECT_NEAR(w.eyeShare, ofEye, 1e-9);  // each technique knows what hit and nee have of the path
+            EXPECT_NEAR(w.eye.share, ofEye, 1e-6);  // each technique knows what hit and nee have of the path
         }
         return sum;
     }

@@ -1,0 +1,171 @@
+#include "integrators/pass_noise.h"
+
+#include "base/parallel.h"
+
+#include <algorithm>
+
+namespace metrolux::core {
+
+namespace {
+
+/// Nanoseconds for each, of one thread of an AMD EPYC, fitted to passes over eleven scenes
+/// (docs/lab/weights.md). Their ratios are what counts.
+constexpr double kEyeVertex = 1, kKeptEyeVertex = 1.5, kLightVertex = 1.5, kConnection = 0.5, kMerge = 0.2;
+
+/// Share of the pixels that are left out as the worst: as in trimmed relMSE.
+constexpr double kWorst = 0.001;
+/// How much worse eye subpaths alone may seem. They gain by their points as passes go on, and with all pixels
+/// a few decide.
+constexpr double kAtMost = 1.1, kAtMostAll = 1.25;
+/// A half has this many passes at least, and the other half as many of it.
+constexpr uint32_t kFewest = 6;
+constexpr double kOtherHalf = 0.75;
+
+double luminanceOf(const PixelSum& sum) {
+    return double(luminance(Rgb(1, 0, 0))) * sum.color[0].value() +
+           double(luminance(Rgb(0, 1, 0))) * sum.color[1].value() +
+           double(luminance(Rgb(0, 0, 1))) * sum.color[2].value();
+}
+
+/// Means over the film of squares, relative to the image: without the worst pixels, and of all.
+std::pair<double, double> meansOf(const std::vector<float>& squares, const PixelImportance& importance) {
+    std::vector<double> relative(squares.size());
+    for (size_t i = 0; i < squares.size(); ++i)
+        relative[i] = double(squares[i]) * sqr(double(importance.of(i)));
+    const auto worst = relative.begin() + static_cast<ptrdiff_t>(double(relative.size()) * (1 - kWorst));
+    std::nth_element(relative.begin(), worst, relative.end());
+    double most = 0, rest = 0;
+    for (auto it = relative.begin(); it != worst; ++it) most += *it;
+    for (auto it = worst; it != relative.end(); ++it) rest += *it;
+    const double n = double(relative.size());
+    return {most / n, (most + rest) / n};
+}
+
+}  // namespace
+
+double PassWork::eyeShare() const {
+    const double whole = kKeptEyeVertex * double(eyeVertices) + kLightVertex * double(lightVertices) +
+                         kConnection * double(connections) + kMerge * double(merges);
+    return whole > 0 ? kEyeVertex * double(eyeVertices) / whole : 1;
+}
+
+void PassWork::add(const PassWork& other) {
+    eyeVertices += other.eyeVertices;
+    lightVertices += other.lightVertices;
+    connections += other.connections;
+    merges += other.merges;
+}
+
+void PassNoise::begin(const Film& film, const EyeFactors& eyes, const PixelImportance& importance,
+                      bool newKind, int iterations) {
+    const size_t n = size_t(film.pixelCount());
+    open_ = true;
+    if (eyeSquares_.empty()) eyeSquares_.assign(n, 0.0f), eyeDifferences_ = 0;
+    if (newKind || squares_.empty()) {
+        squares_.assign(n, 0.0f);
+        last_.assign(n, 0.0f);
+        comparable_ = false;
+        differences_ = 0;
+        work_ = {};
+    }
+    shown_.resize(n);
+    const std::span<const PixelSum> sums = film.sums();
+    parallelFor(n, [&](size_t i) { shown_[i] = luminanceOf(sums[i]); });
+
+    tail_.pixels = double(n);
+    tail_.filmShare = 1.0 / iterations;
+    tail_.largest = eyes.largest();
+    tail_.worth.assign(tail_.largest.size(), 0.0f);
+    std::vector<uint32_t> pixels(tail_.worth.size());
+    for (size_t i = 0; i < n; ++i) {
+        const uint16_t region = eyes.regionOf(static_cast<uint32_t>(i));
+        tail_.worth[region] += sqr(importance.of(i));
+        ++pixels[region];
+    }
+    for (size_t i = 0; i < pixels.size(); ++i) tail_.worth[i] /= static_cast<float>(std::max(pixels[i], 1u));
+}
+
+void PassNoise::addEyes(const EyeFactors& eyes) {
+    const size_t n = size_t(eyes.pixelCount());
+    const bool differs = !eyeSquares_.empty() && eyes.passes() >= 2;
+    eyeSums_.resize(n);
+    parallelFor(n, [&](size_t i) {
+        eyeSums_[i] += double(eyes.lastOf(i));
+        if (differs) eyeSquares_[i] += 0.5f * sqr(eyes.lastOf(i) - eyes.lastButOneOf(i));
+    });
+    eyeDifferences_ += differs;
+}
+
+void PassNoise::noteHalf(const Film& film, const EyeFactors& eyes) {
+    const std::span<const PixelSum> sums = film.sums();
+    halfShown_.resize(sums.size());
+    parallelFor(sums.size(), [&](size_t i) { halfShown_[i] = luminanceOf(sums[i]); });
+    halfEyeSums_ = eyeSums_;
+    halfPasses_ = film.passes();
+    halfEyePasses_ = eyes.passes();
+}
+
+void PassNoise::close(const Film& film, const PassWork& work) {
+    const std::span<const PixelSum> sums = film.sums();
+    parallelFor(shown_.size(), [&](size_t i) {
+        const auto pass = static_cast<float>(luminanceOf(sums[i]) - shown_[i]);
+        if (comparable_) squares_[i] += 0.5f * sqr(pass - last_[i]);
+        last_[i] = pass;
+    });
+    differences_ += comparable_;
+    comparable_ = true;
+    open_ = false;
+    work_.add(work);
+}
+
+void PassNoise::end() {
+    comparable_ = false;
+    shown_ = {};
+    last_ = squares_ = eyeSquares_ = {};
+}
+
+bool PassNoise::Verdict::aloneWins() const {
+    return eyeShare * aloneNoise < kAtMost * noise &&
+           eyeShare * (aloneAllNoise + surprise.alone) < kAtMostAll * (allNoise + surprise.together);
+}
+
+PassNoise::Verdict PassNoise::verdict(const Film& film, const EyeFactors& eyes,
+                                      const PixelImportance& importance, bool uniform,
+                                      const Surprise& surprise) const {
+    Verdict v;
+    if (differences_ == 0 || eyeDifferences_ == 0) return v;
+    const size_t n = squares_.size();
+    const auto halves = [&](uint32_t then, uint32_t now, auto&& sumThen, auto&& sumNow) {
+        std::vector<float> variances(n);
+        const double rest = double(now) - double(then), scale = 1 / (1 / double(then) + 1 / rest);
+        parallelFor(n, [&](size_t i) {
+            variances[i] =
+                static_cast<float>(scale * sqr(sumThen(i) / double(then) - (sumNow(i) - sumThen(i)) / rest));
+        });
+        return meansOf(variances, importance);
+    };
+    const auto enough = [](uint32_t then, uint32_t now) {
+        return then >= kFewest && double(now - then) >= kOtherHalf * double(then);
+    };
+    if (uniform && enough(halfPasses_, film.passes())) {
+        std::tie(v.noise, v.allNoise) = halves(
+            halfPasses_, film.passes(), [&](size_t i) { return halfShown_[i]; },
+            [&](size_t i) { return luminanceOf(film.sums()[i]); });
+    } else {
+        std::tie(v.noise, v.allNoise) = meansOf(squares_, importance);
+        v.noise /= differences_, v.allNoise /= differences_;
+    }
+    if (enough(halfEyePasses_, eyes.passes())) {
+        std::tie(v.aloneNoise, v.aloneAllNoise) = halves(
+            halfEyePasses_, eyes.passes(), [&](size_t i) { return halfEyeSums_[i]; },
+            [&](size_t i) { return eyeSums_[i]; });
+    } else {
+        std::tie(v.aloneNoise, v.aloneAllNoise) = meansOf(eyeSquares_, importance);
+        v.aloneNoise /= eyeDifferences_, v.aloneAllNoise /= eyeDifferences_;
+    }
+    v.surprise = 1 / double(n) * surprise;
+    v.eyeShare = work_.eyeShare();
+    return v;
+}
+
+}  // namespace metrolux::core

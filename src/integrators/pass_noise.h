@@ -1,0 +1,93 @@
+#pragma once
+#include "integrators/pixel_importance.h"
+#include "transport/eye_factors.h"
+#include "transport/eye_tail.h"
+
+#include <vector>
+
+namespace metrolux::core {
+
+/// What a pass has done: a measure of its time that is the same on every machine.
+struct PassWork {
+    uint64_t eyeVertices = 0, lightVertices = 0, connections = 0, merges = 0;
+
+    /// Time of the pass's eye subpaths, were they alone, over that of the whole pass.
+    double eyeShare() const;
+    void add(const PassWork& other);
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(eyeVertices, lightVertices, connections, merges);
+    }
+};
+
+/// Compares passes that have light subpaths with what their eye subpaths would be alone, by work and by noise
+/// relative to the image. Noise is the difference between the first half of the passes and the rest: the eye
+/// subpaths' low-discrepancy points make less than single passes tell. Where the passes are too few, or of
+/// several kinds, it is that between one judged pass and the next. A judged pass is closed when the next one
+/// begins, because only then its film is complete.
+class PassNoise {
+  public:
+    /// The pass to come is judged, which is made of so many iterations. With `newKind` it is not compared
+    /// with those before.
+    void begin(const Film& film, const EyeFactors& eyes, const PixelImportance& importance, bool newKind,
+               int iterations);
+    /// The eye subpaths of a pass, judged or not, have been traced.
+    void addEyes(const EyeFactors& eyes);
+    /// Half of the passes have been made (LightSubpathChoice::halfWay()).
+    void noteHalf(const Film& film, const EyeFactors& eyes);
+    /// The judged pass is on the film.
+    void close(const Film& film, const PassWork& work);
+    /// No more passes are judged for now.
+    void end();
+    bool open() const { return open_; }
+    /// Of what eye subpaths have found until begin().
+    const EyeTail& tail() const { return tail_; }
+
+    /// Variances of a pass's pixels, mean over the film, relative to the image.
+    struct Verdict {
+        double noise = 0, aloneNoise = 0;        ///< without the worst pixels, as errors are compared
+        double allNoise = 0, aloneAllNoise = 0;  ///< with them
+        Surprise surprise;                       ///< what these lack, because no eye subpath has met it yet
+        double eyeShare = 1;                     ///< PassWork::eyeShare()
+        /// Whether eye subpaths alone make a better image in the same time.
+        bool aloneWins() const;
+        template <class Archive>
+        void serialize(Archive& archive) {
+            archive(noise, aloneNoise, allNoise, aloneAllNoise, surprise, eyeShare);
+        }
+    };
+    /// Of the passes so far, all of which have had light subpaths if `uniform`. `surprise`: sum of
+    /// EyeTail::surprise() in a pass.
+    Verdict verdict(const Film& film, const EyeFactors& eyes, const PixelImportance& importance, bool uniform,
+                    const Surprise& surprise) const;
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(open_, comparable_, differences_, eyeDifferences_, halfPasses_, halfEyePasses_, work_);
+        serializeAtMost(archive, shown_, kMostPixels, "pixels");
+        serializeAtMost(archive, last_, kMostPixels, "pixels");
+        serializeAtMost(archive, squares_, kMostPixels, "pixels");
+        serializeAtMost(archive, eyeSquares_, kMostPixels, "pixels");
+        serializeAtMost(archive, halfShown_, kMostPixels, "pixels");
+        serializeAtMost(archive, halfEyeSums_, kMostPixels, "pixels");
+        serializeAtMost(archive, eyeSums_, kMostPixels, "pixels");
+    }
+
+  private:
+    static constexpr size_t kMostPixels = size_t{1} << 32;
+    EyeTail tail_;
+    bool open_ = false;        ///< a judged pass has begun
+    bool comparable_ = false;  ///< the pass before the next one is of its kind, and in last_
+    uint32_t differences_ = 0, eyeDifferences_ = 0;
+    uint32_t halfPasses_ = 0, halfEyePasses_ = 0;  ///< at noteHalf()
+    PassWork work_;
+    // Luminances of each pixel, while passes are judged.
+    std::vector<double> shown_;                ///< sum on the film before the judged pass
+    std::vector<float> last_;                  ///< the pass before it
+    std::vector<float> squares_, eyeSquares_;  ///< sums of half the squared differences
+    // Of each pixel, always.
+    std::vector<double> halfShown_, halfEyeSums_;  ///< sums at noteHalf(), of the film and of eye subpaths
+    std::vector<double> eyeSums_;
+};
+
+}  // namespace metrolux::core

@@ -1,6 +1,7 @@
 #pragma once
 #include "base/state.h"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace metrolux::core {
@@ -40,7 +41,7 @@ class LightSubpathChoice {
     /// The choice before the judgement that is going on, or the present one.
     LightSubpaths chosen() const { return chosen_; }
     /// Whether half of the passes have been made that the next judgement has to go by.
-    bool halfWay() const { return 2 * passes_ == nextTrial_; }
+    bool halfWay() const { return !judging() && passes_ == std::max(nextTrial_ / 2, settledAt_); }
 
     /// A pass has been made. `gain`: the noise of as many independent light subpaths over that of the chains;
     /// `noneWins()`: whether eye subpaths alone make less noise in the same time than the judged passes. It
@@ -63,13 +64,14 @@ class LightSubpathChoice {
         }
         chosen_ = noneMayDo_ && noneWins() ? LightSubpaths::None : better_;
         phase_ = Phase::Settled;
+        settledAt_ = passes_;
         // Passes with light subpaths cost several times as much as those without.
         while (nextTrial_ <= passes_) nextTrial_ *= chosen_ == LightSubpaths::None ? 4 : 2;
     }
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(passes_, nextTrial_, left_, phase_, better_, chosen_);
+        archive(passes_, nextTrial_, left_, settledAt_, phase_, better_, chosen_);
         checkState(nextTrial_ >= kFirstTrial && phase_ <= Phase::Settled && better_ <= LightSubpaths::None &&
                        chosen_ <= LightSubpaths::None,
                    "a choice of light subpaths");
@@ -82,6 +84,7 @@ class LightSubpathChoice {
     uint64_t passes_ = 0;
     uint64_t nextTrial_ = kFirstTrial;
     uint64_t left_ = kFirst;  ///< judged passes
+    uint64_t settledAt_ = 0;  ///< passes at the last choice
     Phase phase_ = Phase::OfChains;
     LightSubpaths better_ = LightSubpaths::Chains;  ///< of the two that are not none
     LightSubpaths chosen_ = LightSubpaths::Chains;

@@ -30,7 +30,7 @@ struct McmcVcmParameters {
         v(weighing);
         v(variance);
         v("connections", connections,
-          Range::between(0, 1).zeroIs("1/64 of those from chains, 1/4 of independent ones"),
+          Range::between(0, 1).zeroIs("1/64 of those from chains, all independent ones"),
           "share of the light subpaths that are connected with an eye subpath; changes noise alone");
         v(replicas);
         v("target", target,
@@ -49,7 +49,7 @@ struct McmcVcmParameters {
 /// that a light subpath does, and where chains find the light that is hard to find, merging carries most of
 /// it: these shares have the smallest error in the same time on most of the scenes of docs/lab/results.md
 /// ("Connections"). Where chains are no help, connections are.
-constexpr double kChainConnections = 1.0 / 64, kIndependentConnections = 1.0 / 4;
+constexpr double kChainConnections = 1.0 / 64, kIndependentConnections = 1;
 
 ReplicaSettings settingsOf(uint64_t seed, const McmcVcmParameters& parameters, size_t samples) {
     ReplicaSettings settings = replicaSettings(seed, parameters.replicas, samples);

@@ -86,6 +86,9 @@ const Runs kAdaptive{{"pssmlt, adaptive", {16, "pssmlt", kRadiusFactor, {{"kerne
 /// With small steps, chains that are not left to themselves show it best.
 const Runs kSplitKelemen{{"split_mcmc, kelemen", {12, "split_mcmc", kRadiusFactor, {{"kernel", "kelemen"}}}}};
 
+/// Chains all the way, in scenes that are so easy that mcmc_vcm does without them.
+const Runs kChains{{"mcmc_vcm, fixed", {32, "mcmc_vcm", kRadiusFactor, {{"fixed", true}}}}};
+
 const Runs kConnections{{"path", run("path", 32)}, {"bdpt", run("bdpt", 16)}, {"vcm", run("vcm", 16)}};
 
 const Runs kSplitAlone = together(kCore, kSplit);
@@ -118,15 +121,15 @@ const std::vector<Case> kCases{
     {"door_ajar", "door-ajar/scene.xml", false, kSplitAlone, kAjar},
     {"environment", "environment/scene.xml", false, kEverything},
     {"glass_sphere", "glass-sphere/scene.xml", false, kMergingOnly, kMergingNeeded},
-    {"glossy_room", "glossy-room/scene.xml", false, kWithPathChains, kGlossy},
-    {"mis", "mis/scene.xml", false, kSplitAlone, kGlossy},
+    {"glossy_room", "glossy-room/scene.xml", false, together(kWithPathChains, kChains), kGlossy},
+    {"mis", "mis/scene.xml", false, together(kSplitAlone, kChains), kGlossy},
     {"spot_directional", "spot-directional/scene.xml", false, kMergingOnly, kMergingNeeded},
-    {"textured", "textured/scene.xml", false, kWithPathChains, kGlossy},
+    {"textured", "textured/scene.xml", false, together(kWithPathChains, kChains), kGlossy},
     {"water_sds", "water-sds/scene.xml", false, kMergingOnly, kMergingNeeded},
     {"lamps", "../tests/agreement/lamps.xml", false, kConnections, kDirectLight},
     {"panorama", "../tests/agreement/panorama.xml", false, kEverything},
     {"fisheye", "../tests/agreement/fisheye.xml", false, kCore, kLikePanorama},
-    {"cornell_box", "cornell-box/scene.xml", true, kEverything},
+    {"cornell_box", "cornell-box/scene.xml", true, together(kEverything, kChains)},
     {"veach_mis", "veach-mis/scene.xml", true, kSplitAlone, kGlossy},
     {"veach_bidir", "veach-bidir/scene.xml", true, kWithPhotons, kRare},
     {"veach_ajar", "veach-ajar/scene.xml", true, kSplitAlone, kAjar},

@@ -42,6 +42,8 @@ inline std::vector<float> renderImage(const Scene& scene, const RenderSetup& set
     ParameterValues parameters = setup.parameters;
     if (ParameterSet(findIntegrator(setup.integrator).parameters).find("radius"))
         parameters["radius"] = setup.radius;
+    // Chains, in scenes that are so easy that mcmc_vcm does without them.
+    if (setup.integrator == "mcmc_vcm") parameters.emplace("fixed", true);
     CommonOptions options;
     options.limits = scene.parts().limits;
     options.seed = seed;

@@ -55,7 +55,7 @@ TEST(LightSubpathChoice, KnowsHalfOfTheWayToTheNextTrial) {
         if (choice.halfWay()) result += std::to_string(pass) + ' ';
         choice.endPass(1, [] { return false; });
     }
-    EXPECT_EQ(result, "8 16 32 64 ");
+    EXPECT_EQ(result, "8 18 34 66 ");
 }
 
 }  // namespace

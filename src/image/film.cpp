@@ -178,6 +178,12 @@ void Film::addSplats(const SplatList& splats, double pixelScale, double filmScal
     }
 }
 
+double Film::passLuminance(size_t pixel) const {
+    std::array<double, 3> value = implementation_->splats.value(pixel);
+    for (size_t c = 0; c < 3; ++c) value[c] += implementation_->eye[pixel][c];
+    return luminanceOf(value);
+}
+
 Film::LeftOut Film::endPass() {
     if (passes_ >= kMostPasses) throw Error("film: it has {} passes and takes no more", passes_);
     Implementation& film = *implementation_;

@@ -56,6 +56,10 @@ class Film {
     /// As addSplats with another factor for film splats than for pixel splats.
     void addSplats(const SplatList& splats, double pixelScale, double filmScale);
 
+    /// Luminance of what the pass under way has added to a pixel so far. Films are shared by slices; this is
+    /// one integrator's own.
+    double passLuminance(size_t pixel) const;
+
     /// Numbers of values that were not added, as they were not finite or too large for a sum.
     struct LeftOut {
         uint64_t pixels = 0;       ///< by addEye(), and of whole pixels by endPass()

@@ -89,22 +89,29 @@ class FixedPointImage {
                                             kChannels * count * sizeof(int64_t));
     }
 
-    /// The sum of a pixel, which is reset to zero. Not for use while others add.
-    std::array<double, 3> take(size_t pixel) {
+    /// The sum of a pixel. Not for use while others add.
+    std::array<double, 3> value(size_t pixel) const {
         const size_t x = pixel % width_, y = pixel / width_;
-        int64_t* const carried = tileAt(x, y).carried.get();
+        const int64_t* const carried = tileAt(x, y).carried.get();
         std::array<double, 3> result{};
         for (size_t range = 0; range < kRanges; ++range)
             for (size_t c = 0; c < kChannels; ++c) {
-                int64_t& sum = sums_[(range * pixels_ + pixel) * kChannels + c];
-                double units = static_cast<double>(sum);
-                if (carried) {
-                    int64_t& upper = carried[carriedIndex(x, y, range, c)];
-                    units = sumOf(upper, sum);
-                    upper = 0;
-                }
+                const int64_t sum = sums_[(range * pixels_ + pixel) * kChannels + c];
+                const double units =
+                    carried ? sumOf(carried[carriedIndex(x, y, range, c)], sum) : static_cast<double>(sum);
                 result[c] += units / kUnitsPerOne[range];
-                sum = 0;
+            }
+        return result;
+    }
+    /// The same, and resets it to zero.
+    std::array<double, 3> take(size_t pixel) {
+        const std::array<double, 3> result = value(pixel);
+        const size_t x = pixel % width_, y = pixel / width_;
+        int64_t* const carried = tileAt(x, y).carried.get();
+        for (size_t range = 0; range < kRanges; ++range)
+            for (size_t c = 0; c < kChannels; ++c) {
+                sums_[(range * pixels_ + pixel) * kChannels + c] = 0;
+                if (carried) carried[carriedIndex(x, y, range, c)] = 0;
             }
         return result;
     }
@@ -140,6 +147,7 @@ class FixedPointImage {
         Tile& tile_;
     };
     Tile& tileAt(size_t x, size_t y) { return tiles_[y / kTile * tilesAcross_ + x / kTile]; }
+    const Tile& tileAt(size_t x, size_t y) const { return tiles_[y / kTile * tilesAcross_ + x / kTile]; }
     static size_t tileEnd(size_t x) { return (x / kTile + 1) * kTile; }
 
     static constexpr uint32_t kMostHolds = uint32_t{1} << 22;

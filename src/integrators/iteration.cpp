@@ -152,7 +152,7 @@ void IteratedIntegrator::addPass(Film& film, uint32_t pass) {
         first += partition_.pixels(part).size();
     }
     if (eyeFactors_) eyeFactors_->endPass();
-    endPass();
+    endPass(film);
     radius_.advance();
 }
 

@@ -100,8 +100,8 @@ class IteratedIntegrator : public Integrator {
 
     /// Adds what `pixels` and as many light subpaths, from index `first` of the pass, stand for.
     virtual void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) = 0;
-    /// All iterations of a pass have been made.
-    virtual void endPass() {}
+    /// All iterations of a pass have been made. The film is not closed yet.
+    virtual void endPass(const Film& film) { (void)film; }
     /// Part of the state of each of them.
     template <class Archive>
     void serializeIteration(Archive& archive) {

@@ -87,13 +87,16 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         chains_.measureDensity = !parameters.fixed;
         weighByPhotons(parameters.weighing);
         weighByVariance(parameters.variance);
+        if (choosing_ || relative() || parameters.replicas.split.measured)
+            image_ = std::make_unique<OwnImage>(scene.camera().window());
         if (choice_.noneMayDo()) noise_ = std::make_unique<PassNoise>();
     }
 
     template <class Archive>
     void serialize(Archive& archive) {
         serializeIteration(archive);
-        archive(chains_, choice_, passCounts_, work_, surprise_, verdict_);
+        archive(chains_, choice_, surprise_, verdict_);
+        if (image_) archive(*image_);
         if (noise_) archive(*noise_);
     }
     nlohmann::json statistics() const override {
@@ -118,7 +121,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
 
   private:
     void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) override {
-        if (first == 0) beginPass(film);
+        if (first == 0) beginPass();
         const LightSubpaths kind = lightSubpaths();
         if (kind == LightSubpaths::None) return eyesAlone(film, pass, pixels);
 
@@ -135,7 +138,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         grid_.build(positionsOf(eyes_.all()), static_cast<float>(r));
         LightSubpathPass light = lightSubpathPass(strategies);
         LightSubpathIteration iteration{pass, first, pixels.size(), n / film.pixelCount()};
-        if (parameters_.target == McmcVcmParameters::Target::Relative) iteration.target = &importance_;
+        if (relative()) iteration.target = &importance_;
         if (parameters_.replicas.split.measured || judging()) iteration.noise = &importance_;
         TechniqueWork work;
         if (noise_ && noise_->open()) {
@@ -149,33 +152,27 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         }
     }
 
-    /// What the last pass has shown decides about this one.
-    void beginPass(const Film& film) {
-        const LightSubpaths before = lightSubpaths();
-        const bool judged = judging();
-        if (judged || parameters_.target == McmcVcmParameters::Target::Relative ||
-            parameters_.replicas.split.measured)
-            importance_.update(film);
-        if (noise_ && noise_->open()) noise_->close(film, std::exchange(work_, {}));
-        if (passCounts_)
-            choice_.endPass(gainOfChains(), [&] {
-                verdict_ = noise_->verdict(film, *eyeFactors_, importance_,
-                                           choice_.chosen() != LightSubpaths::None, surprise_);
-                return verdict_.aloneWins();
-            });
-        if (!judged && judging()) importance_.update(film);
-        if (!noise_ || !chains_.ready()) return;
-        if (choice_.halfWay()) noise_->noteHalf(film, *eyeFactors_);
-        if (judging()) {
-            noise_->begin(film, *eyeFactors_, importance_, before != lightSubpaths(), partition_.parts());
-            if (lightSubpaths() == LightSubpaths::Chains) surprise_ = {};
-        } else {
-            noise_->end();
-        }
+    void beginPass() {
+        if (relative() || parameters_.replicas.split.measured || judging()) importance_.update(*image_);
+        if (!noise_ || !chains_.ready() || !judging()) return;
+        noise_->begin(*eyeFactors_, importance_, static_cast<uint8_t>(lightSubpaths()), partition_.parts());
+        work_ = {};
+        if (lightSubpaths() == LightSubpaths::Chains) surprise_ = {};
     }
-    void endPass() override {
-        passCounts_ = choosing_ && chains_.ready();
+    void endPass(const Film& film) override {
+        if (image_) image_->addPass(film);
         if (noise_) noise_->addEyes(*eyeFactors_);
+        if (noise_ && noise_->open()) noise_->close(*image_, work_);
+        if (!choosing_ || !chains_.ready()) return;
+        choice_.endPass(gainOfChains(), [&] {
+            importance_.update(*image_);
+            verdict_ = noise_->verdict(*image_, *eyeFactors_, importance_,
+                                       choice_.chosen() != LightSubpaths::None, surprise_);
+            return verdict_.aloneWins();
+        });
+        if (!noise_ || judging()) return;
+        noise_->end();
+        if (choice_.halfWay()) noise_->noteHalf(*image_, *eyeFactors_);
     }
 
     void eyesAlone(Film& film, uint32_t pass, std::span<const uint32_t> pixels) {
@@ -188,6 +185,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
     double gainOfChains() const { return chains_.density().ofNoise() / samples(); }
     LightSubpaths lightSubpaths() const { return choosing_ ? choice_.next() : LightSubpaths::Chains; }
     bool judging() const { return choosing_ && choice_.judging(); }
+    bool relative() const { return parameters_.target == McmcVcmParameters::Target::Relative; }
     static const char* nameOf(LightSubpaths kind) {
         switch (kind) {
             case LightSubpaths::Chains:
@@ -204,11 +202,11 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
     LightSubpathChains chains_;
     bool choosing_;
     LightSubpathChoice choice_;
+    std::unique_ptr<OwnImage> image_;   ///< null where nothing is decided by it
     std::unique_ptr<PassNoise> noise_;  ///< null where there is no choice of none
     PassNoise::Verdict verdict_;        ///< the last one
-    PassWork work_;                     ///< of the pass
+    PassWork work_;                     ///< of the judged pass
     Surprise surprise_;                 ///< of the last judged pass of chains
-    bool passCounts_ = false;           ///< choice_ is to be told of the last pass
     PixelImportance importance_;
 };
 

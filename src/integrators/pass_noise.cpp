@@ -21,12 +21,6 @@ constexpr double kAtMost = 1.1, kAtMostAll = 1.25;
 constexpr uint32_t kFewest = 6;
 constexpr double kOtherHalf = 0.75;
 
-double luminanceOf(const PixelSum& sum) {
-    return double(luminance(Rgb(1, 0, 0))) * sum.color[0].value() +
-           double(luminance(Rgb(0, 1, 0))) * sum.color[1].value() +
-           double(luminance(Rgb(0, 0, 1))) * sum.color[2].value();
-}
-
 /// Means over the film of squares, relative to the image: without the worst pixels, and of all.
 std::pair<double, double> meansOf(const std::vector<float>& squares, const PixelImportance& importance) {
     std::vector<double> relative(squares.size());
@@ -56,22 +50,19 @@ void PassWork::add(const PassWork& other) {
     merges += other.merges;
 }
 
-void PassNoise::begin(const Film& film, const EyeFactors& eyes, const PixelImportance& importance,
-                      bool newKind, int iterations) {
-    const size_t n = size_t(film.pixelCount());
+void PassNoise::begin(const EyeFactors& eyes, const PixelImportance& importance, uint8_t kind,
+                      int iterations) {
+    const size_t n = size_t(eyes.pixelCount());
     open_ = true;
     if (eyeSquares_.empty()) eyeSquares_.assign(n, 0.0f), eyeDifferences_ = 0;
-    if (newKind || squares_.empty()) {
+    if (kind != kind_ || squares_.empty()) {
         squares_.assign(n, 0.0f);
         last_.assign(n, 0.0f);
+        kind_ = kind;
         comparable_ = false;
         differences_ = 0;
         work_ = {};
     }
-    shown_.resize(n);
-    const std::span<const PixelSum> sums = film.sums();
-    parallelFor(n, [&](size_t i) { shown_[i] = luminanceOf(sums[i]); });
-
     tail_.pixels = double(n);
     tail_.filmShare = 1.0 / iterations;
     tail_.largest = eyes.largest();
@@ -96,19 +87,16 @@ void PassNoise::addEyes(const EyeFactors& eyes) {
     eyeDifferences_ += differs;
 }
 
-void PassNoise::noteHalf(const Film& film, const EyeFactors& eyes) {
-    const std::span<const PixelSum> sums = film.sums();
-    halfShown_.resize(sums.size());
-    parallelFor(sums.size(), [&](size_t i) { halfShown_[i] = luminanceOf(sums[i]); });
+void PassNoise::noteHalf(const OwnImage& image, const EyeFactors& eyes) {
+    halfShown_.assign(image.sums().begin(), image.sums().end());
     halfEyeSums_ = eyeSums_;
-    halfPasses_ = film.passes();
+    halfPasses_ = image.passes();
     halfEyePasses_ = eyes.passes();
 }
 
-void PassNoise::close(const Film& film, const PassWork& work) {
-    const std::span<const PixelSum> sums = film.sums();
-    parallelFor(shown_.size(), [&](size_t i) {
-        const auto pass = static_cast<float>(luminanceOf(sums[i]) - shown_[i]);
+void PassNoise::close(const OwnImage& image, const PassWork& work) {
+    parallelFor(last_.size(), [&](size_t i) {
+        const auto pass = static_cast<float>(image.last()[i]);
         if (comparable_) squares_[i] += 0.5f * sqr(pass - last_[i]);
         last_[i] = pass;
     });
@@ -120,7 +108,6 @@ void PassNoise::close(const Film& film, const PassWork& work) {
 
 void PassNoise::end() {
     comparable_ = false;
-    shown_ = {};
     last_ = squares_ = eyeSquares_ = {};
 }
 
@@ -129,7 +116,7 @@ bool PassNoise::Verdict::aloneWins() const {
            eyeShare * (aloneAllNoise + surprise.alone) < kAtMostAll * (allNoise + surprise.together);
 }
 
-PassNoise::Verdict PassNoise::verdict(const Film& film, const EyeFactors& eyes,
+PassNoise::Verdict PassNoise::verdict(const OwnImage& image, const EyeFactors& eyes,
                                       const PixelImportance& importance, bool uniform,
                                       const Surprise& surprise) const {
     Verdict v;
@@ -147,10 +134,10 @@ PassNoise::Verdict PassNoise::verdict(const Film& film, const EyeFactors& eyes,
     const auto enough = [](uint32_t then, uint32_t now) {
         return then >= kFewest && double(now - then) >= kOtherHalf * double(then);
     };
-    if (uniform && enough(halfPasses_, film.passes())) {
+    if (uniform && enough(halfPasses_, image.passes())) {
         std::tie(v.noise, v.allNoise) = halves(
-            halfPasses_, film.passes(), [&](size_t i) { return halfShown_[i]; },
-            [&](size_t i) { return luminanceOf(film.sums()[i]); });
+            halfPasses_, image.passes(), [&](size_t i) { return halfShown_[i]; },
+            [&](size_t i) { return image.sums()[i]; });
     } else {
         std::tie(v.noise, v.allNoise) = meansOf(squares_, importance);
         v.noise /= differences_, v.allNoise /= differences_;

@@ -23,20 +23,18 @@ struct PassWork {
 /// Compares passes that have light subpaths with what their eye subpaths would be alone, by work and by noise
 /// relative to the image. Noise is the difference between the first half of the passes and the rest: the eye
 /// subpaths' low-discrepancy points make less than single passes tell. Where the passes are too few, or of
-/// several kinds, it is that between one judged pass and the next. A judged pass is closed when the next one
-/// begins, because only then its film is complete.
+/// several kinds, it is that between one judged pass and the next.
 class PassNoise {
   public:
-    /// The pass to come is judged, which is made of so many iterations. With `newKind` it is not compared
-    /// with those before.
-    void begin(const Film& film, const EyeFactors& eyes, const PixelImportance& importance, bool newKind,
-               int iterations);
+    /// The pass to come is judged, which is made of so many iterations. It is compared with those before if
+    /// they are of the same kind.
+    void begin(const EyeFactors& eyes, const PixelImportance& importance, uint8_t kind, int iterations);
     /// The eye subpaths of a pass, judged or not, have been traced.
     void addEyes(const EyeFactors& eyes);
     /// Half of the passes have been made (LightSubpathChoice::halfWay()).
-    void noteHalf(const Film& film, const EyeFactors& eyes);
-    /// The judged pass is on the film.
-    void close(const Film& film, const PassWork& work);
+    void noteHalf(const OwnImage& image, const EyeFactors& eyes);
+    /// The judged pass has been made.
+    void close(const OwnImage& image, const PassWork& work);
     /// No more passes are judged for now.
     void end();
     bool open() const { return open_; }
@@ -58,13 +56,12 @@ class PassNoise {
     };
     /// Of the passes so far, all of which have had light subpaths if `uniform`. `surprise`: sum of
     /// EyeTail::surprise() in a pass.
-    Verdict verdict(const Film& film, const EyeFactors& eyes, const PixelImportance& importance, bool uniform,
-                    const Surprise& surprise) const;
+    Verdict verdict(const OwnImage& image, const EyeFactors& eyes, const PixelImportance& importance,
+                    bool uniform, const Surprise& surprise) const;
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(open_, comparable_, differences_, eyeDifferences_, halfPasses_, halfEyePasses_, work_);
-        serializeAtMost(archive, shown_, kMostPixels, "pixels");
+        archive(kind_, comparable_, differences_, eyeDifferences_, halfPasses_, halfEyePasses_, work_);
         serializeAtMost(archive, last_, kMostPixels, "pixels");
         serializeAtMost(archive, squares_, kMostPixels, "pixels");
         serializeAtMost(archive, eyeSquares_, kMostPixels, "pixels");
@@ -76,17 +73,17 @@ class PassNoise {
   private:
     static constexpr size_t kMostPixels = size_t{1} << 32;
     EyeTail tail_;
-    bool open_ = false;        ///< a judged pass has begun
-    bool comparable_ = false;  ///< the pass before the next one is of its kind, and in last_
+    bool open_ = false;  ///< a judged pass has begun
+    uint8_t kind_ = 0;
+    bool comparable_ = false;  ///< the pass before is judged too, of its kind, and in last_
     uint32_t differences_ = 0, eyeDifferences_ = 0;
     uint32_t halfPasses_ = 0, halfEyePasses_ = 0;  ///< at noteHalf()
     PassWork work_;
     // Luminances of each pixel, while passes are judged.
-    std::vector<double> shown_;                ///< sum on the film before the judged pass
-    std::vector<float> last_;                  ///< the pass before it
+    std::vector<float> last_;                  ///< the pass before
     std::vector<float> squares_, eyeSquares_;  ///< sums of half the squared differences
     // Of each pixel, always.
-    std::vector<double> halfShown_, halfEyeSums_;  ///< sums at noteHalf(), of the film and of eye subpaths
+    std::vector<double> halfShown_, halfEyeSums_;  ///< sums at noteHalf(), of the image and of eye subpaths
     std::vector<double> eyeSums_;
 };
 

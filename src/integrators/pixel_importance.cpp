@@ -23,20 +23,16 @@ std::vector<double> boxBlur(const std::vector<double>& in, int length, int lines
 
 }  // namespace
 
-void PixelImportance::update(const Film& film) {
-    window_ = film.window();
-    const size_t n = size_t(film.pixelCount());
+void PixelImportance::update(const OwnImage& image) {
+    window_ = image.window();
+    const size_t n = image.sums().size();
     values_.assign(n, 1.0f);
-    if (film.passes() == 0) return;
-    const std::span<const PixelSum> sums = film.sums();
+    if (image.passes() == 0) return;
     std::vector<double> shown(n);
     double mean = 0;
     for (size_t i = 0; i < n; ++i) {
         // Filters with negative lobes can make a pixel negative.
-        const auto mean3 = [&](int c) {
-            return static_cast<float>(sums[i].color[c].value() / film.passes());
-        };
-        shown[i] = std::max(0.0f, luminance(Rgb(mean3(0), mean3(1), mean3(2))));
+        shown[i] = std::max(0.0, image.sums()[i] / image.passes());
         mean += shown[i] / double(n);
     }
     if (!(mean > 0)) return;

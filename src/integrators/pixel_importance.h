@@ -1,6 +1,6 @@
 #pragma once
-#include "image/film.h"
 #include "image/splat.h"
+#include "integrators/own_image.h"
 
 #include <vector>
 
@@ -13,7 +13,7 @@ class PixelImportance {
     /// From the mean of the passes so far (all alike before the first), smoothed over kReach pixels to either
     /// side, since noise in it would draw chains away from what they have just found. On average a luminance
     /// is multiplied by one: F keeps its scale.
-    void update(const Film& film);
+    void update(const OwnImage& image);
 
     /// Of a pixel, an index in the window.
     float of(size_t pixel) const { return values_[pixel]; }

@@ -17,6 +17,7 @@ const FilmWindow kWindow{kWidth, kHeight, 0, 0, kWidth, kHeight};
 struct Passes {
     Film film{kWindow, {ReconstructionFilter::Kind::Box, {}}};
     EyeFactors eyes{kWindow};
+    OwnImage image{kWindow};
     PixelImportance importance;
     PassNoise noise;
     CounterRng rng{5};
@@ -27,21 +28,22 @@ struct Passes {
             film.addEye(i, Rgb(1 + spread * sign()));
             eyes.set(i, {0, 0.5f, 0.5f + eyeSpread * sign(), 0});
         }
+        image.addPass(film);
         film.endPass();
         eyes.endPass();
         noise.addEyes(eyes);
     }
     void judge(int passes, float spread, float eyeSpread) {
         for (int i = 0; i < passes; ++i) {
-            importance.update(film);
-            noise.begin(film, eyes, importance, i == 0, 1);
+            importance.update(image);
+            noise.begin(eyes, importance, 0, 1);
             add(spread, eyeSpread);
-            importance.update(film);
-            noise.close(film, {1000, 1000, 0, 0});
+            noise.close(image, {1000, 1000, 0, 0});
         }
     }
-    PassNoise::Verdict verdict(bool uniform = true, const Surprise& surprise = {}) const {
-        return noise.verdict(film, eyes, importance, uniform, surprise);
+    PassNoise::Verdict verdict(bool uniform = true, const Surprise& surprise = {}) {
+        importance.update(image);
+        return noise.verdict(image, eyes, importance, uniform, surprise);
     }
 };
 
@@ -63,7 +65,7 @@ TEST(PassNoise, ComparesTheHalvesWhereThereAreEnoughPasses) {
     p.judge(4, 0.1f, 0.2f);
     p.noise.end();
     for (int i = 0; i < 4; ++i) p.add(0.1f, 0.2f);
-    p.noise.noteHalf(p.film, p.eyes);
+    p.noise.noteHalf(p.image, p.eyes);
     for (int i = 0; i < 8; ++i) p.add(0.1f, 0.2f);
     p.judge(2, 0.3f, 0.2f);  // two noisier ones
     // Half the passes have 0.01, 8 have it and 2 have 0.09 in the others.
@@ -77,12 +79,11 @@ TEST(PassNoise, LeavesOutTheWorstPixels) {
     Passes p;
     p.judge(4, 0.1f, 0.2f);
     // Three of 3072 pixels are far off in a fifth pass.
-    p.importance.update(p.film);
-    p.noise.begin(p.film, p.eyes, p.importance, false, 1);
+    p.importance.update(p.image);
+    p.noise.begin(p.eyes, p.importance, 0, 1);
     for (const uint32_t i : {700u, 1400u, 2100u}) p.film.addEye(i, Rgb(100.0f));
     p.add(0.1f, 0.2f);
-    p.importance.update(p.film);
-    p.noise.close(p.film, {1000, 1000, 0, 0});
+    p.noise.close(p.image, {1000, 1000, 0, 0});
     EXPECT_NEAR(p.verdict().noise, 0.01, 0.001);
     EXPECT_GT(p.verdict().allNoise, 0.02);
 }

@@ -10,12 +10,15 @@ const FilmWindow kWindow{100, 100, 10, 5, kWidth, kHeight};
 
 ReconstructionFilter box() { return {ReconstructionFilter::Kind::Box, {}}; }
 
-/// Left half 1, right half 9.
-void drawHalves(Film& film) {
+/// An image of one pass. Left half 1, right half 9.
+OwnImage halves() {
+    Film film(kWindow, box());
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x)
             film.addEye(uint32_t(y * kWidth + x), Rgb(x < kWidth / 2 ? 1.0f : 9.0f));
-    film.endPass();
+    OwnImage image(kWindow);
+    image.addPass(film);
+    return image;
 }
 
 SplatList pixelSplat(int x, int y, float value) {
@@ -25,17 +28,14 @@ SplatList pixelSplat(int x, int y, float value) {
 }
 
 TEST(PixelImportance, BeforeTheFirstPassIsLuminance) {
-    Film film(kWindow, box());
     PixelImportance importance;
-    importance.update(film);
+    importance.update(OwnImage(kWindow));
     EXPECT_FLOAT_EQ(importance.size(pixelSplat(3, 3, 7)), 7);
 }
 
 TEST(PixelImportance, IsRelativeToTheImageAndKeepsTheScale) {
-    Film film(kWindow, box());
-    drawHalves(film);
     PixelImportance importance;
-    importance.update(film);
+    importance.update(halves());
     // Mean 5, so that 0.5 is added to what is shown.
     const double left = importance.size(pixelSplat(5, 10, 1)), right = importance.size(pixelSplat(35, 10, 1));
     EXPECT_NEAR(left / right, 9.5 / 1.5, 1e-4);
@@ -43,10 +43,8 @@ TEST(PixelImportance, IsRelativeToTheImageAndKeepsTheScale) {
 }
 
 TEST(PixelImportance, OfFilmSplatsIsThatOfTheNearestPixel) {
-    Film film(kWindow, box());
-    drawHalves(film);
     PixelImportance importance;
-    importance.update(film);
+    importance.update(halves());
     const auto at = [&](float x, float y) {
         SplatList s;
         s.film.push_back({{x, y}, Rgb(2.0f)});
@@ -58,10 +56,10 @@ TEST(PixelImportance, OfFilmSplatsIsThatOfTheNearestPixel) {
 }
 
 TEST(PixelImportance, OfABlackImageIsLuminance) {
-    Film film(kWindow, box());
-    film.endPass();
+    OwnImage image(kWindow);
+    image.addPass(Film(kWindow, box()));
     PixelImportance importance;
-    importance.update(film);
+    importance.update(image);
     EXPECT_FLOAT_EQ(importance.size(pixelSplat(3, 3, 7)), 7);
 }
 

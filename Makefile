@@ -76,14 +76,15 @@ blender-reference:  ## the tables of docs/reference/blender.md, from the exporte
 blender-pictures: build blender-addon setup-blender  ## the pictures of docs/tutorial/blender.md
 	tools/blender_pictures.sh $(BUILD)
 
-# What is installed runs on any x86-64 and has a second build for processors with AVX2.
+# For the processor of this machine.
 PREFIX := /usr/local
 install: setup  ## the command, libmetrolux.so, its headers and CMake package, below PREFIX=/usr/local
-	cmake --preset package
-	cmake --build --preset package --target metrolux_command metrolux_library
-	$(SUDO) cmake --install build-package --prefix $(PREFIX)
+	cmake --preset release
+	cmake --build --preset release --target metrolux_command metrolux_library
+	$(SUDO) cmake --install $(BUILD) --prefix $(PREFIX)
 	$(SUDO) ldconfig
 
+# What is packaged is for any x86-64 and has a second build for processors with AVX2.
 packages: setup setup-python  ## Debian packages, in build-package/packages
 	cmake --preset package
 	cmake --build --preset package

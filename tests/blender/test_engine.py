@@ -25,8 +25,16 @@ def simple(size=(48, 32)):
     return scene
 
 
+# Of this process alone: other tests render at the same time.
+tempfile.tempdir = tempfile.mkdtemp(prefix="blender-engine-")
+
+
 def leftovers():
     return glob.glob(os.path.join(tempfile.gettempdir(), "metrolux-*"))
+
+
+def tearDownModule():
+    os.rmdir(tempfile.tempdir)
 
 
 def report():

@@ -333,9 +333,9 @@ ElementPtr AreaLight::emitter(double area, double triangles, MemoryBudget& memor
         const auto factor = static_cast<float>(power / unit);
         emitted = emitted.changed([factor](const Rgb& c) { return c * factor; }, memory);
     }
-    auto result = std::make_shared<mitsuba::Element>(*Maker("emitter", "area", where).done());
-    emitted.addTo(*result, "radiance", false);
-    return result;
+    Maker result("emitter", "area", where);
+    emitted.addTo(result, "radiance", false);
+    return result.done();
 }
 
 }  // namespace metrolux::core::pbrt

@@ -7,7 +7,6 @@
 
 namespace metrolux::core::pbrt {
 
-using mitsuba::Element;
 using mitsuba::ElementPtr;
 using mitsuba::Maker;
 using mitsuba::RgbValue;
@@ -30,29 +29,7 @@ struct MaterialMaker {
         return indexOfRefraction(p, name, fallback, reading());
     }
 
-    std::shared_ptr<Element> element(const char* type) const {
-        auto result = std::make_shared<Element>();
-        result->tag = "bsdf";
-        result->type = type;
-        result->location = p.where();
-        return result;
-    }
-    static void set(Element& element, const std::string& name, double value) {
-        element.named.emplace_back(
-            name, mitsuba::Property{value, element.location, false, static_cast<int>(element.named.size())});
-    }
-    static void set(Element& element, const std::string& name, const Rgb& value) {
-        element.named.emplace_back(name, mitsuba::Property{RgbValue{value}, element.location, false,
-                                                           static_cast<int>(element.named.size())});
-    }
-    static void set(Element& element, const std::string& name, const std::string& value) {
-        element.named.emplace_back(
-            name, mitsuba::Property{value, element.location, false, static_cast<int>(element.named.size())});
-    }
-    static void nest(Element& element, ElementPtr child) {
-        element.children.push_back(mitsuba::Property{std::move(child), element.location, false,
-                                                     static_cast<int>(element.children.size()) + 100});
-    }
+    Maker element(const char* type) const { return {"bsdf", type, p.where()}; }
     ElementPtr twoSided(ElementPtr nested) const {
         return Maker("bsdf", "twosided", p.where()).containing(std::move(nested)).done();
     }
@@ -76,19 +53,19 @@ struct MaterialMaker {
         return {std::move(u), std::move(v), isSmooth};
     }
     /// The element of the smooth or of the rough model.
-    std::shared_ptr<Element> faceted(const char* smooth, const char* rough, const Roughness& r) const {
+    Maker faceted(const char* smooth, const char* rough, const Roughness& r) const {
         if (r.isSmooth) return element(smooth);
         auto result = element(rough);
-        set(*result, "distribution", std::string("ggx"));
-        r.u.addTo(*result, "alpha_u", true);
-        r.v.addTo(*result, "alpha_v", true);
+        result.with("distribution", std::string("ggx"));
+        r.u.addTo(result, "alpha_u", true);
+        r.v.addTo(result, "alpha_v", true);
         return result;
     }
 
     ElementPtr diffuse(const char* name, float fallback) const {
         auto result = element("diffuse");
-        color(name, fallback).addTo(*result, "reflectance", false);
-        return twoSided(result);
+        color(name, fallback).addTo(result, "reflectance", false);
+        return twoSided(result.done());
     }
 
     /// A metal of this reflectance at normal incidence: eta 1, k = 2 sqrt(r / (1 - r)).
@@ -105,14 +82,14 @@ struct MaterialMaker {
         if (p.has("reflectance")) {
             if (p.has(prefix + "eta") || p.has(prefix + "k"))
                 throw p.error("found \"reflectance\" as well as \"eta\" or \"k\", expected one of the two");
-            set(*result, "eta", Rgb(1.0f));
-            color("reflectance", 1).changed(absorptionOf, memory()).addTo(*result, "k", false);
+            result.with("eta", RgbValue{Rgb(1.0f)});
+            color("reflectance", 1).changed(absorptionOf, memory()).addTo(result, "k", false);
         } else {
             const ConductorColors metal = conductorColors(p, prefix, space, reading());
-            set(*result, "eta", metal.eta);
-            set(*result, "k", metal.k);
+            result.with("eta", RgbValue{metal.eta});
+            result.with("k", RgbValue{metal.k});
         }
-        return result;
+        return result.done();
     }
 
     /// A diffuse surface under a smooth or rough dielectric coat, all orders of reflection between them.
@@ -120,21 +97,21 @@ struct MaterialMaker {
         const Roughness r = roughness("", roughnessFallback);
         auto result = element(r.isSmooth ? "plastic" : "roughplastic");
         if (!r.isSmooth) {
-            set(*result, "distribution", std::string("ggx"));
+            result.with("distribution", std::string("ggx"));
             const double alpha = double((r.u.mean().x + r.v.mean().x) / 2);
             if (!r.u.isConstant() || !r.v.isConstant() || r.u.constant() != r.v.constant())
                 reading().warn(p.error("a coat has one roughness here: the mean stands in"));
-            set(*result, "alpha", alpha);
+            result.with("alpha", alpha);
         }
-        set(*result, "int_ior", eta("eta", 1.5));
-        set(*result, "ext_ior", 1.0);
-        result->named.emplace_back("nonlinear", mitsuba::Property{true, result->location, false, 50});
-        color(reflectance, 0.5f).addTo(*result, "diffuse_reflectance", false);
+        result.with("int_ior", eta("eta", 1.5));
+        result.with("ext_ior", 1.0);
+        result.with("nonlinear", true);
+        color(reflectance, 0.5f).addTo(result, "diffuse_reflectance", false);
         if (number("albedo", 0).largest().x > 0)
             reading().refuse(p.error("a coat that scatters (\"albedo\") is not supported"),
                              "the coat is clear");
         p.ignore({"thickness", "g", "maxdepth", "nsamples"});
-        return twoSided(result);
+        return twoSided(result.done());
     }
 
     ElementPtr coatedConductor() const {
@@ -144,28 +121,28 @@ struct MaterialMaker {
         ElementPtr base = metal("conductor.", 0);
         const Roughness r = roughness("interface.", 0);
         auto result = element(r.isSmooth ? "coating" : "roughcoating");
-        set(*result, "int_ior", eta("interface.eta", 1.5));
-        set(*result, "ext_ior", 1.0);
+        result.with("int_ior", eta("interface.eta", 1.5));
+        result.with("ext_ior", 1.0);
         if (!r.isSmooth) {
-            set(*result, "distribution", std::string("ggx"));
-            set(*result, "alpha", double((r.u.mean().x + r.v.mean().x) / 2));
+            result.with("distribution", std::string("ggx"));
+            result.with("alpha", double((r.u.mean().x + r.v.mean().x) / 2));
         }
         p.ignore({"thickness", "albedo", "g", "maxdepth", "nsamples"});
-        nest(*result, std::move(base));
-        return twoSided(result);
+        result.containing(std::move(base));
+        return twoSided(result.done());
     }
 
     ElementPtr glass(const char* etaName, double roughnessFallback) const {
         auto result = faceted("dielectric", "roughdielectric", roughness("", roughnessFallback));
-        set(*result, "int_ior", eta(etaName, 1.5));
-        set(*result, "ext_ior", 1.0);
-        return result;
+        result.with("int_ior", eta(etaName, 1.5));
+        result.with("ext_ior", 1.0);
+        return result.done();
     }
     ElementPtr thinGlass() const {
         auto result = element("thindielectric");
-        set(*result, "int_ior", eta("eta", 1.5));
-        set(*result, "ext_ior", 1.0);
-        return result;
+        result.with("int_ior", eta("eta", 1.5));
+        result.with("ext_ior", 1.0);
+        return result.done();
     }
 
     /// Diffuse to both sides. The two lobes are blended in proportion to what they can scatter.
@@ -189,38 +166,38 @@ struct MaterialMaker {
                         return Rgb(limited(c.x), limited(c.y), limited(c.z));
                     },
                     memory())
-                .addTo(*result, name, false);
-            return result;
+                .addTo(result, name, false);
+            return result.done();
         };
         auto result = element("blendbsdf");
-        set(*result, "weight", share);
-        nest(*result, twoSided(lobe("diffuse", "reflectance", reflected, 1 - share)));
-        nest(*result, lobe("difftrans", "transmittance", transmitted, share));
-        return result;
+        result.with("weight", share);
+        result.containing(twoSided(lobe("diffuse", "reflectance", reflected, 1 - share)));
+        result.containing(lobe("difftrans", "transmittance", transmitted, share));
+        return result.done();
     }
 
     ElementPtr mix() const {
         const Parameter* names = p.find("materials");
         if (!names || names->strings.size() != 2) throw p.error("expected two names of \"materials\"");
         auto result = element("blendbsdf");
-        number("amount", 0.5).addTo(*result, "weight", true);
-        for (const std::string& name : names->strings) nest(*result, all.bsdf(all.find(name, p)));
-        return result;
+        number("amount", 0.5).addTo(result, "weight", true);
+        for (const std::string& name : names->strings) result.containing(all.bsdf(all.find(name, p)));
+        return result.done();
     }
 
     ElementPtr mirror() const {
         auto result = element("conductor");
-        color("Kr", 0.9f).addTo(*result, "specular_reflectance", false);
-        return twoSided(result);
+        color("Kr", 0.9f).addTo(result, "specular_reflectance", false);
+        return twoSided(result.done());
     }
     ElementPtr matte() const {
         if (!(number("sigma", 0).largest().x > 0)) return diffuse("Kd", 0.5f);
         auto result = element("roughdiffuse");
-        color("Kd", 0.5f).addTo(*result, "reflectance", false);
+        color("Kd", 0.5f).addTo(result, "reflectance", false);
         // Degrees of Oren & Nayar's slopes; Mitsuba's alpha is their deviation times the square root of 2.
         const auto alpha = [](const Rgb& sigma) { return Rgb(std::tan(radians(sigma.x)) * std::sqrt(2.0f)); };
-        number("sigma", 0).changed(alpha, memory()).addTo(*result, "alpha", true);
-        return twoSided(result);
+        number("sigma", 0).changed(alpha, memory()).addTo(result, "alpha", true);
+        return twoSided(result.done());
     }
     ElementPtr oldPlastic(double roughnessFallback) const {
         p.ignore({"Ks", "Kr", "Kt", "opacity", "index"});
@@ -236,19 +213,19 @@ struct MaterialMaker {
         const bool isOld = !p.has("displacement");
         const Texture height = number(isOld ? "bumpmap" : "displacement", 0);
         if (!height.isConstant()) {
-            auto result = std::make_shared<Element>(*Maker("bsdf", "bumpmap", p.where()).done());
-            nest(*result, height.element(true));
-            nest(*result, std::move(nested));
-            nested = result;
+            Maker result = element("bumpmap");
+            result.containing(height.element(true));
+            result.containing(std::move(nested));
+            nested = result.done();
         }
         if (p.has("normalmap")) {
             const std::string file = p.requiredString("normalmap");
             const Texture map =
                 all.textures_.imageFile(file, Parameters("normal map", p.where()), true, ColorSpace());
-            auto result = std::make_shared<Element>(*Maker("bsdf", "normalmap", p.where()).done());
-            map.addTo(*result, "normalmap", false);
-            nest(*result, std::move(nested));
-            nested = result;
+            Maker result = element("normalmap");
+            map.addTo(result, "normalmap", false);
+            result.containing(std::move(nested));
+            nested = result.done();
         }
         return nested;
     }
@@ -271,7 +248,7 @@ constexpr Type kTypes[] = {
     {"thindielectric", [](const MaterialMaker& m) { return m.thinGlass(); }, false},
     {"diffusetransmission", [](const MaterialMaker& m) { return m.diffuseTransmission(0.25f); }, false},
     {"mix", [](const MaterialMaker& m) { return m.mix(); }, false},
-    {"interface", [](const MaterialMaker& m) { return ElementPtr(m.element("null")); }, false},
+    {"interface", [](const MaterialMaker& m) { return m.element("null").done(); }, false},
     {"matte", [](const MaterialMaker& m) { return m.matte(); }, true},
     {"mirror", [](const MaterialMaker& m) { return m.mirror(); }, true},
     {"metal", [](const MaterialMaker& m) { return m.twoSided(m.metal("", 0.01)); }, true},
@@ -324,9 +301,8 @@ ElementPtr Materials::bsdf(const Handle& handle) {
                                 nearest.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", nearest),
                                 fmt::join(types(), ", "))),
             "a gray diffuse surface stands in");
-        auto gray = maker.element("diffuse");
-        MaterialMaker::set(*gray, "reflectance", Rgb(0.5f));
-        material.made = maker.twoSided(gray);
+        material.made =
+            maker.twoSided(maker.element("diffuse").with("reflectance", RgbValue{Rgb(0.5f)}).done());
     }
     beingMade_.erase(&material);
     return material.made;

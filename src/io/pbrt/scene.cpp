@@ -281,16 +281,15 @@ class SceneReader {
                                    isTextured(*bsdf) || (light && !light->radiance.isConstant()),
                                    light && light->power > 0};
         const Transform map = settledMap(state_.place.map);
-        for (const ShapePart& part : makeShape(d.type, d.parameters, map, options, reading_)) {
+        for (ShapePart& part : makeShape(d.type, d.parameters, map, options, reading_)) {
             reading_.memory.take(kObjectBytes, "a shape");
-            Element& element = *part.element;
-            nest(element, bsdf);
-            if (light) nest(element, light->emitter(part.area, part.triangles, reading_.memory));
+            part.made.containing(bsdf);
+            if (light) part.made.containing(light->emitter(part.area, part.triangles, reading_.memory));
             if (group_) {
-                group_->made.containing(part.element);
+                group_->made.containing(part.made.done());
                 ++group_->shapes;
             } else {
-                scene_.containing(part.element);
+                scene_.containing(part.made.done());
             }
         }
         d.parameters.checkAllUsed(reading_);
@@ -308,19 +307,14 @@ class SceneReader {
                std::any_of(element.named.begin(), element.named.end(),
                            [&](const auto& entry) { return isIt(entry.second); });
     }
-    static void nest(Element& element, ElementPtr child) {
-        element.children.push_back(mitsuba::Property{std::move(child), element.location, false,
-                                                     100 + static_cast<int>(element.children.size())});
-    }
     ElementPtr masked(const Parameters& p, ElementPtr bsdf) {
         if (p.has("shadowalpha"))
             reading_.warn(p.error("\"shadowalpha\" has no effect: shadows are those of \"alpha\""));
         const Texture alpha = textures_.number(p, "alpha", 1);
         if (alpha.isConstant() && alpha.constant().x >= 1) return bsdf;
-        auto result = std::make_shared<Element>(*Maker("bsdf", "mask", p.where()).done());
-        alpha.addTo(*result, "opacity", true);
-        nest(*result, std::move(bsdf));
-        return result;
+        Maker result("bsdf", "mask", p.where());
+        alpha.addTo(result, "opacity", true);
+        return result.containing(std::move(bsdf)).done();
     }
 
     struct Group {

@@ -115,9 +115,9 @@ class ShapeMaker {
         const std::filesystem::path found = reading_.find(file, p_.where());
         const bool flat = !plyHasNormals(found);
         auto result = element("ply");
-        add(*result, "filename", found.string());
-        place(*result, toWorld_, reversed_);
-        if (flat) add(*result, "face_normals", true);
+        result.with("filename", found.string());
+        place(result, toWorld_, reversed_);
+        if (flat) result.with("face_normals", true);
         ShapePart part{result};
         if (needsArea_ || withBack_) {
             MeshOptions options;
@@ -146,7 +146,7 @@ class ShapeMaker {
         const double phi = turn();
         if (low <= -r && high >= r && phi >= kPi2 && !isTextured_ && mitsuba::isSimilarity(toWorld_)) {
             quadric("sphere", 2 * kPi2 * r * r,
-                    [r](mitsuba::Element& e, double back) { add(e, "radius", r * (1 - back)); });
+                    [r](mitsuba::Maker& e, double back) { e.with("radius", r * (1 - back)); });
             return;
         }
         const double from = std::acos(std::clamp(low / r, -1.0, 1.0)),
@@ -164,10 +164,10 @@ class ShapeMaker {
             throw p_.error(fmt::format("found zmin {} and zmax {}, expected less and more", low, high));
         const double phi = turn();
         if (phi >= kPi2 && mitsuba::isSimilarity(toWorld_)) {
-            quadric("cylinder", kPi2 * r * (high - low), [=](mitsuba::Element& e, double back) {
-                add(e, "radius", r * (1 - back));
-                add(e, "p0", Vec3d(0, 0, low));
-                add(e, "p1", Vec3d(0, 0, high));
+            quadric("cylinder", kPi2 * r * (high - low), [=](mitsuba::Maker& e, double back) {
+                e.with("radius", r * (1 - back));
+                e.with("p0", Vec3d(0, 0, low));
+                e.with("p1", Vec3d(0, 0, high));
             });
             return;
         }
@@ -189,7 +189,7 @@ class ShapeMaker {
                 if (back && !withBack_) break;
                 auto result = element("disk");
                 const double behind = (reversed_ ? kBack : -kBack) * r;
-                place(*result,
+                place(result,
                       mitsuba::settledMap(map * Transform::translate({0, 0, back ? behind : 0}) * own),
                       reversed_ != back);
                 parts.push_back({result, diskArea(r)});
@@ -204,21 +204,10 @@ class ShapeMaker {
     }
 
   private:
-    template <class T>
-    static void add(mitsuba::Element& element, const std::string& name, T value) {
-        element.named.emplace_back(name, mitsuba::Property{std::move(value), element.location, false,
-                                                           static_cast<int>(element.named.size())});
-    }
-    std::shared_ptr<mitsuba::Element> element(const char* type) const {
-        auto result = std::make_shared<mitsuba::Element>();
-        result->tag = "shape";
-        result->type = type;
-        result->location = p_.where();
-        return result;
-    }
-    static void place(mitsuba::Element& element, const Transform& toWorld, bool flip) {
-        add(element, "to_world", toWorld);
-        if (flip) add(element, "flip_normals", true);
+    mitsuba::Maker element(const char* type) const { return {"shape", type, p_.where()}; }
+    static void place(mitsuba::Maker& element, const Transform& toWorld, bool flip) {
+        element.with("to_world", toWorld);
+        if (flip) element.with("flip_normals", true);
     }
 
     double positive(const char* name, double fallback) const {
@@ -246,8 +235,8 @@ class ShapeMaker {
         for (const bool back : {false, true}) {
             if (back && !withBack_) break;
             auto result = element(type);
-            fill(*result, back ? (reversed_ ? -kBack : kBack) : 0);
-            place(*result, toWorld_, reversed_ != back);
+            fill(result, back ? (reversed_ ? -kBack : kBack) : 0);
+            place(result, toWorld_, reversed_ != back);
             parts.push_back({result, area * areaFactor()});
         }
     }
@@ -350,10 +339,10 @@ class ShapeMaker {
             if (back && !withBack_) break;
             if (back) mesh = behind(*mesh);
             auto result = element("mesh");
-            add(*result, "arrays",
-                MeshArrays{mesh->positions, mesh->normals, mesh->uvs, mesh->triangles, {}, mesh});
-            place(*result, toWorld_, reversed_ != back);
-            if (flat && mesh->normals.empty()) add(*result, "face_normals", true);
+            result.with("arrays",
+                        MeshArrays{mesh->positions, mesh->normals, mesh->uvs, mesh->triangles, {}, mesh});
+            place(result, toWorld_, reversed_ != back);
+            if (flat && mesh->normals.empty()) result.with("face_normals", true);
             parts.push_back({result, areaOf(*mesh), double(mesh->triangles.size() / 3)});
         }
     }

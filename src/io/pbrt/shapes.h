@@ -3,9 +3,9 @@
 
 namespace metrolux::core::pbrt {
 
-/// A shape without its material: an element, to which a place is added.
+/// A shape without its material.
 struct ShapePart {
-    std::shared_ptr<mitsuba::Element> element;
+    mitsuba::Maker made;
     double area = 0;       ///< in the world
     double triangles = 1;  ///< pbrt makes a light of each
 };

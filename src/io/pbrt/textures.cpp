@@ -143,15 +143,13 @@ Texture Texture::combined(const Texture& a, const Texture& b,
     return result;
 }
 
-void Texture::addTo(mitsuba::Element& element, const std::string& name, bool asNumber) const {
-    mitsuba::Property property{{}, element.location, false, static_cast<int>(element.named.size())};
+void Texture::addTo(Maker& element, const std::string& name, bool asNumber) const {
     if (!isConstant())
-        property.value = this->element(asNumber);
+        element.with(name, this->element(asNumber));
     else if (asNumber)
-        property.value = double(constant_.x);
+        element.with(name, double(constant_.x));
     else
-        property.value = RgbValue{constant_};
-    element.named.emplace_back(name, std::move(property));
+        element.with(name, RgbValue{constant_});
 }
 
 ElementPtr Texture::element(bool asNumber) const {
@@ -163,16 +161,13 @@ ElementPtr Texture::element(bool asNumber) const {
             .with("wrap_mode", image_.wrap)
             .with("filter_type", std::string(image_.nearest ? "nearest" : "bilinear"))
             .done();
-    auto result = std::make_shared<mitsuba::Element>();
-    result->tag = "texture";
-    result->type = "checkerboard";
-    result->location = where_;
+    Maker result("texture", "checkerboard", where_);
     // Ours has two squares in the unit of uv, and exchanges its colors where it gives numbers.
     const Transform half = mitsuba::settledMap(Transform::scale({0.5f, 0.5f, 1}) * toUv_);
-    result->named.emplace_back("to_uv", mitsuba::Property{half, where_, false, 0});
-    even_->addTo(*result, asNumber ? "color1" : "color0", asNumber);
-    odd_->addTo(*result, asNumber ? "color0" : "color1", asNumber);
-    return result;
+    result.with("to_uv", half);
+    even_->addTo(result, asNumber ? "color1" : "color0", asNumber);
+    odd_->addTo(result, asNumber ? "color0" : "color1", asNumber);
+    return result.done();
 }
 
 Texture Textures::named(const Parameter& parameter) {

@@ -2,6 +2,7 @@
 /// Textures of pbrt as values that can be computed with: a constant, an image under a map of uv, or a
 /// checkerboard of two others.
 
+#include "io/mitsuba/maker.h"
 #include "io/pbrt/spectra.h"
 
 #include <functional>
@@ -36,7 +37,7 @@ class Texture {
     static Texture combined(const Texture& a, const Texture& b,
                             const std::function<Rgb(const Rgb&, const Rgb&)>& f, MemoryBudget& memory);
     /// Adds it to an element as the value `name`: as a color, or as a number.
-    void addTo(mitsuba::Element& element, const std::string& name, bool asNumber) const;
+    void addTo(mitsuba::Maker& element, const std::string& name, bool asNumber) const;
     mitsuba::ElementPtr element(bool asNumber) const;
 
   private:

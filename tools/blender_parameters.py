@@ -9,28 +9,22 @@ import subprocess
 import sys
 
 
-def integrators(markdown):
-    """The integrators of `metrolux integrators --markdown`: what each is, and its parameters (name, default, expected)."""
-    result, current = {}, None
-    for line in markdown.splitlines():
-        if line.startswith("## "):
-            current = result[line[3:].strip()] = {"text": "", "parameters": []}
-        elif current is None or not line:
-            continue
-        elif line.startswith("| "):
-            cells = [cell.strip().replace("`", "") for cell in line.strip("|").split("|")]
-            if cells[0] not in ("parameter",):
-                current["parameters"].append(cells)
-        elif not current["text"] and not line.startswith("|"):
-            current["text"] = line
-    return result
+def integrators(described):
+    """Of `metrolux integrators --json`: what each is, and its parameters (name, default, expected)."""
+    return {
+        integrator["name"]: {
+            "text": integrator["summary"][0].upper() + integrator["summary"][1:] + ".",
+            "parameters": [[p["name"], p["default"], p["expected"].replace("`", "")] for p in integrator["parameters"]],
+        }
+        for integrator in described
+    }
 
 
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__.strip().splitlines()[-1])
-    text = subprocess.run([sys.argv[1], "integrators", "--markdown"], check=True, capture_output=True, text=True).stdout
-    json.dump({"integrators": integrators(text)}, sys.stdout, indent=1)
+    text = subprocess.run([sys.argv[1], "integrators", "--json"], check=True, capture_output=True, text=True).stdout
+    json.dump({"integrators": integrators(json.loads(text))}, sys.stdout, indent=1)
     print()
 
 

@@ -1,6 +1,8 @@
 #include "app/commands.h"
 #include "app/parameter_options.h"
 
+#include <nlohmann/json.hpp>
+
 namespace metrolux::core::app {
 namespace {
 
@@ -8,13 +10,14 @@ constexpr const char* kExamples = R"(Examples:
   metrolux integrators                                 # names, one a line, with what each is
   metrolux integrators mcmc_vcm                        # its parameters
   metrolux integrators --markdown                      # all of it: docs/reference/parameters.md
+  metrolux integrators --json                          # all of it, for programs
 
 A parameter is an option of `metrolux render` (--chain-inefficiency 8), follows an integrator of `metrolux study`
 (mcmc_vcm:chain-inefficiency=8), and stands in a scene's <integrator> (<float name="chain_inefficiency" value="8"/>).)";
 
 struct IntegratorsArguments {
     std::string name;
-    bool markdown = false;
+    bool markdown = false, json = false;
 };
 
 /// What a scene may call the integrator besides its name.
@@ -73,9 +76,26 @@ void printMarkdown() {
                    info->alias.empty() ? "" : fmt::format(" (also `{}`)", info->alias), info->help);
 }
 
+void printJson() {
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    for (const IntegratorDescription& integrator : integratorList()) {
+        nlohmann::ordered_json parameters = nlohmann::ordered_json::array();
+        for (const ParameterInfo& info : integrator.parameters)
+            parameters.push_back({{"name", info.name},
+                                  {"help", info.help},
+                                  {"default", info.defaultText()},
+                                  {"expected", info.expected}});
+        all.push_back(
+            {{"name", integrator.name}, {"summary", integrator.summary}, {"parameters", parameters}});
+    }
+    fmt::print("{}\n", all.dump(1));
+}
+
 int listIntegrators(const IntegratorsArguments& a) {
     if (a.markdown) {
         printMarkdown();
+    } else if (a.json) {
+        printJson();
     } else if (!a.name.empty()) {
         printOne(findIntegrator(a.name));
     } else {
@@ -93,6 +113,8 @@ Run addIntegratorsCommand(CLI::App& parent) {
     auto a = std::make_shared<IntegratorsArguments>();
     app->add_option("name", a->name, "An integrator, for its parameters");
     app->add_flag("--markdown", a->markdown, "All integrators and parameters as a page of the documentation");
+    app->add_flag("--json", a->json, "All integrators and parameters as JSON, for programs")
+        ->excludes("--markdown");
     return [a] { return listIntegrators(*a); };
 }
 

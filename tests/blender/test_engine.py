@@ -275,6 +275,12 @@ class Settings(unittest.TestCase):
         with open(root + "/blender/metrolux/parameters.json", encoding="utf-8") as file:
             self.assertEqual(file.read(), made, "run `make blender-parameters`")
 
+    def test_integrators_are_those_of_the_command(self):
+        text = subprocess.run([os.environ["METROLUX_COMMAND"], "integrators"], check=True, capture_output=True, text=True).stdout
+        from metrolux import settings
+
+        self.assertEqual(list(settings.INTEGRATORS), [line.split()[0] for line in text.splitlines()])
+
     def test_reference_is_fresh(self):
         """The tables of docs/reference/blender.md are what the exporter says."""
         root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))

@@ -61,6 +61,18 @@ TEST_F(CliTest, ThePageOfParametersIsThatOfTheProgram) {
         << "metrolux integrators --markdown > docs/reference/parameters.md";
 }
 
+TEST_F(CliTest, ProgramsReadTheIntegratorsAsJson) {
+    std::vector<std::string> names;
+    for (const nlohmann::json& integrator : nlohmann::json::parse(run({"integrators", "--json"}).out)) {
+        names.push_back(integrator["name"]);
+        for (const nlohmann::json& p : integrator["parameters"])
+            for (const char* field : {"name", "help", "default", "expected"})
+                EXPECT_FALSE(p.at(field).get<std::string>().empty()) << integrator["name"] << p;
+    }
+    EXPECT_EQ(names, integratorNames());
+    EXPECT_EQ(run({"integrators", "--json", "--markdown"}).status, 2);
+}
+
 TEST_F(CliTest, InfoShowsWhatWasUnderstood) {
     const Outcome outcome = run({"info", "scene.xml", "-D", "width=40"});
     EXPECT_EQ(outcome.status, 0) << outcome.err;

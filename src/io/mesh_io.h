@@ -48,6 +48,8 @@ std::vector<MaterialPart> readObjByMaterial(const std::filesystem::path& path, c
 /// blue` are "vertex_color". Integers are sRGB-encoded fractions of their maximum. Faces of less than three
 /// vertices are left out with a warning.
 std::shared_ptr<TriangleMesh> readPly(const std::filesystem::path& path, const MeshOptions& options);
+/// Whether a PLY, which may be compressed by gzip, names normals in its header; what follows is not read.
+bool plyHasNormals(const std::filesystem::path& path);
 
 /// One mesh of Mitsuba's compressed format, versions 3 and 4.
 std::shared_ptr<TriangleMesh> readSerialized(const std::filesystem::path& path, int shapeIndex,

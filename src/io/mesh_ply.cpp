@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
+#include <zlib.h>
 
 namespace metrolux::core {
 
@@ -154,17 +156,15 @@ class Reader {
         const auto uv = element.find("u") >= 0           ? columns({"u", "v"})
                         : element.find("texture_u") >= 0 ? columns({"texture_u", "texture_v"})
                                                          : columns({"s", "t"});
-        const bool exact =
-            options_.exact && element.properties[position[0]].type == ply::Type::Float64;
+        const bool exact = options_.exact && element.properties[position[0]].type == ply::Type::Float64;
         std::vector<std::string> reserved;
         for (const auto* used : {&position, &normal, &uv})
             for (const size_t c : *used) reserved.push_back(element.properties[c].name);
         auto attributes = findAttributes(element, reserved);
 
-        requireMemory(
-            path_, options_, element.count,
-            (exact ? sizeof(Vec3f) + sizeof(Vec3d) : sizeof(Vec3f)) + attributeBytes(attributes),
-            "the vertices");
+        requireMemory(path_, options_, element.count,
+                      (exact ? sizeof(Vec3f) + sizeof(Vec3d) : sizeof(Vec3f)) + attributeBytes(attributes),
+                      "the vertices");
         mesh_->positions.reserve(element.count);
         std::vector<double> row(element.properties.size());
         const auto at = [&row](size_t c) { return static_cast<float>(row[c]); };
@@ -236,6 +236,20 @@ class Reader {
 };
 
 }  // namespace
+
+bool plyHasNormals(const fs::path& path) {
+    const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
+    if (!file) throw Error("{}: cannot be opened for reading", path.string());
+    constexpr size_t kMost = size_t{1} << 20;
+    std::string header;
+    char piece[4096];
+    while (header.size() < kMost && header.find("end_header") == std::string::npos) {
+        const int count = gzread(file.get(), piece, sizeof piece);
+        if (count <= 0) break;  // readPly() says what is wrong
+        header.append(piece, static_cast<size_t>(count));
+    }
+    return header.substr(0, header.find("end_header")).find(" nx") != std::string::npos;
+}
 
 std::shared_ptr<TriangleMesh> readPly(const fs::path& path, const MeshOptions& options) {
     const std::string file = readMeshFile(path, options);

@@ -373,15 +373,6 @@ class ShapeMaker {
         return result;
     }
 
-    /// Whether a PLY has normals for its vertices, by its header.
-    bool plyHasNormals(const std::filesystem::path& file) const {
-        MeshOptions options;
-        options.memory = &reading_.memory;
-        const std::string text = readMeshFile(file, options);
-        const std::string_view header(text.data(), std::min(text.find("end_header"), text.size()));
-        return header.find(" nx") != std::string_view::npos;
-    }
-
     const Parameters& p_;
     Transform toWorld_;
     bool reversed_, withBack_, isTextured_, needsArea_;

@@ -34,6 +34,16 @@ std::vector<std::string> defaultChannels(int count) {
 std::vector<float> scaledToOne(std::span<const uint8_t> values) { return scaled(values); }
 std::vector<float> scaledToOne(std::span<const uint16_t> values) { return scaled(values); }
 
+namespace {
+[[noreturn]] void failAtEnd() { throw Error("the file ends too early"); }
+}  // namespace
+
+uint8_t readByte(std::istream& stream) {
+    const int byte = stream.get();
+    if (byte == std::char_traits<char>::eof()) failAtEnd();
+    return static_cast<uint8_t>(byte);
+}
+
 std::string readBytes(std::istream& stream, size_t count) {
     // In pieces: the count may be a claim that the file does not keep.
     constexpr size_t kPiece = size_t{1} << 20;
@@ -42,7 +52,7 @@ std::string readBytes(std::istream& stream, size_t count) {
         const size_t old = bytes.size(), piece = std::min(kPiece, count - old);
         bytes.resize(old + piece);
         stream.read(bytes.data() + old, static_cast<std::streamsize>(piece));
-        if (static_cast<size_t>(stream.gcount()) != piece) throw Error("the file ends too early");
+        if (static_cast<size_t>(stream.gcount()) != piece) failAtEnd();
     }
     return bytes;
 }

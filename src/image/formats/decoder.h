@@ -48,6 +48,8 @@ std::vector<std::string> defaultChannels(int count);
 std::vector<float> scaledToOne(std::span<const uint8_t> values);
 std::vector<float> scaledToOne(std::span<const uint16_t> values);
 
+/// The next byte. Throws Error if the stream ends before.
+uint8_t readByte(std::istream& stream);
 /// The next `count` bytes. Throws Error if the stream ends before.
 std::string readBytes(std::istream& stream, size_t count);
 /// Everything from here to the end.

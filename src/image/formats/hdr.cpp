@@ -59,14 +59,9 @@ class HdrDecoder final : public ImageDecoder {
                 throw Error("its header does not end");
         return line;
     }
-    uint8_t readByte() {
-        const int c = stream_.get();
-        if (c == std::char_traits<char>::eof()) throw Error("the file ends too early");
-        return static_cast<uint8_t>(c);
-    }
     Rgbe readPixel() {
         Rgbe pixel;
-        for (uint8_t& value : pixel) value = readByte();
+        for (uint8_t& value : pixel) value = readByte(stream_);
         return pixel;
     }
 
@@ -84,11 +79,11 @@ class HdrDecoder final : public ImageDecoder {
     /// One of the four bytes of all pixels of a row. A count above 128 is that of a run of one value.
     void readComponent(std::vector<Rgbe>& row, size_t c) {
         for (size_t x = 0; x < row.size();) {
-            const uint8_t code = readByte();
+            const uint8_t code = readByte(stream_);
             const size_t count = code > 128 ? code - 128u : code;
             if (count == 0 || count > row.size() - x) throw Error("a run is longer than its row");
-            const uint8_t value = code > 128 ? readByte() : uint8_t{0};
-            for (size_t i = 0; i < count; ++i) row[x++][c] = code > 128 ? value : readByte();
+            const uint8_t value = code > 128 ? readByte(stream_) : uint8_t{0};
+            for (size_t i = 0; i < count; ++i) row[x++][c] = code > 128 ? value : readByte(stream_);
         }
     }
 

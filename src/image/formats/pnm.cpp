@@ -74,18 +74,21 @@ class PnmDecoder final : public ImageDecoder {
     int readInteger() {
         const std::string word = readWord();
         int value = 0;
-        const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (code != std::errc{} || end != word.data() + word.size())
-            throw Error("found '{}', expected an integer", word);
+        if (!parse(word, value)) throw Error("found '{}', expected an integer", word);
         return value;
     }
     float readScale() {
         const std::string word = readWord();
         float value = 0;
-        const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
-        if (code != std::errc{} || end != word.data() + word.size() || !std::isfinite(value) || value == 0)
+        if (!parse(word, value) || !std::isfinite(value) || value == 0)
             throw Error("its scale is '{}', expected a number that is not 0", word);
         return value;
+    }
+    /// Whether the whole word is a number.
+    template <class T>
+    static bool parse(const std::string& word, T& value) {
+        const auto [end, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+        return code == std::errc{} && end == word.data() + word.size();
     }
     uint16_t checked(int value) const {
         if (value < 0 || value > largest_)

@@ -69,8 +69,7 @@ class TgaDecoder final : public ImageDecoder {
     Pixel nextPixel() {
         if (!isRuns_) return readPixel();
         if (left_ == 0) {
-            const int code = stream_.get();
-            if (code < 0) throw Error("the file ends too early");
+            const uint8_t code = readByte(stream_);
             left_ = (code & 127) + 1;
             isRepeated_ = code & 128;
             if (isRepeated_) repeated_ = readPixel();
@@ -80,8 +79,7 @@ class TgaDecoder final : public ImageDecoder {
     }
     Pixel readPixel() {
         Pixel pixel{};
-        stream_.read(reinterpret_cast<char*>(pixel.data()), static_cast<std::streamsize>(pixelBytes_));
-        if (static_cast<size_t>(stream_.gcount()) != pixelBytes_) throw Error("the file ends too early");
+        for (size_t i = 0; i < pixelBytes_; ++i) pixel[i] = readByte(stream_);
         return pixel;
     }
 

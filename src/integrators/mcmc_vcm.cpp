@@ -89,7 +89,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         weighByVariance(parameters.variance);
         if (choosing_ || relative() || parameters.replicas.split.measured)
             image_ = std::make_unique<OwnImage>(scene.camera().window());
-        if (choice_.noneMayDo()) noise_ = std::make_unique<PassNoise>();
+        if (choice_.noneMayDo()) noise_ = std::make_unique<PassNoise>(image_->sums().size());
     }
 
     template <class Archive>
@@ -166,13 +166,13 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         if (!choosing_ || !chains_.ready()) return;
         choice_.endPass(gainOfChains(), [&] {
             importance_.update(*image_);
-            verdict_ = noise_->verdict(*image_, *eyeFactors_, importance_,
-                                       choice_.chosen() != LightSubpaths::None, surprise_);
+            verdict_ =
+                noise_->verdict(*image_, importance_, choice_.chosen() != LightSubpaths::None, surprise_);
             return verdict_.aloneWins();
         });
         if (!noise_ || judging()) return;
         noise_->end();
-        if (choice_.halfWay()) noise_->noteHalf(*image_, *eyeFactors_);
+        if (choice_.halfWay()) noise_->noteHalf(*image_);
     }
 
     void eyesAlone(Film& film, uint32_t pass, std::span<const uint32_t> pixels) {

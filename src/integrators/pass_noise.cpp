@@ -18,8 +18,7 @@ constexpr double kWorst = 0.001;
 /// a few decide.
 constexpr double kAtMost = 1.1, kAtMostAll = 1.25;
 /// A half has this many passes at least, and the other half as many of it.
-constexpr uint32_t kFewest = 6;
-constexpr double kOtherHalf = 0.75;
+constexpr double kFewest = 6, kOtherHalf = 0.75;
 
 /// Means over the film of squares, relative to the image: without the worst pixels, and of all.
 std::pair<double, double> meansOf(const std::vector<float>& squares, const PixelImportance& importance) {
@@ -52,23 +51,22 @@ void PassWork::add(const PassWork& other) {
 
 void PassNoise::begin(const EyeFactors& eyes, const PixelImportance& importance, uint8_t kind,
                       int iterations) {
-    const size_t n = size_t(eyes.pixelCount());
     open_ = true;
-    if (eyeSquares_.empty()) eyeSquares_.assign(n, 0.0f), eyeDifferences_ = 0;
+    if (eyeSquares_.empty()) eyeSquares_.assign(pixels_, 0.0f), eyeDifferences_ = 0;
     if (kind != kind_ || squares_.empty()) {
-        squares_.assign(n, 0.0f);
-        last_.assign(n, 0.0f);
+        squares_.assign(pixels_, 0.0f);
+        last_.assign(pixels_, 0.0f);
         kind_ = kind;
         comparable_ = false;
         differences_ = 0;
         work_ = {};
     }
-    tail_.pixels = double(n);
+    tail_.pixels = double(pixels_);
     tail_.filmShare = 1.0 / iterations;
     tail_.largest = eyes.largest();
     tail_.worth.assign(tail_.largest.size(), 0.0f);
     std::vector<uint32_t> pixels(tail_.worth.size());
-    for (size_t i = 0; i < n; ++i) {
+    for (size_t i = 0; i < pixels_; ++i) {
         const uint16_t region = eyes.regionOf(static_cast<uint32_t>(i));
         tail_.worth[region] += sqr(importance.of(i));
         ++pixels[region];
@@ -77,21 +75,18 @@ void PassNoise::begin(const EyeFactors& eyes, const PixelImportance& importance,
 }
 
 void PassNoise::addEyes(const EyeFactors& eyes) {
-    const size_t n = size_t(eyes.pixelCount());
     const bool differs = !eyeSquares_.empty() && eyes.passes() >= 2;
-    eyeSums_.resize(n);
-    parallelFor(n, [&](size_t i) {
+    parallelFor(pixels_, [&](size_t i) {
         eyeSums_[i] += double(eyes.lastOf(i));
         if (differs) eyeSquares_[i] += 0.5f * sqr(eyes.lastOf(i) - eyes.lastButOneOf(i));
     });
     eyeDifferences_ += differs;
 }
 
-void PassNoise::noteHalf(const OwnImage& image, const EyeFactors& eyes) {
+void PassNoise::noteHalf(const OwnImage& image) {
     halfShown_.assign(image.sums().begin(), image.sums().end());
     halfEyeSums_ = eyeSums_;
     halfPasses_ = image.passes();
-    halfEyePasses_ = eyes.passes();
 }
 
 void PassNoise::close(const OwnImage& image, const PassWork& work) {
@@ -116,41 +111,29 @@ bool PassNoise::Verdict::aloneWins() const {
            eyeShare * (aloneAllNoise + surprise.alone) < kAtMostAll * (allNoise + surprise.together);
 }
 
-PassNoise::Verdict PassNoise::verdict(const OwnImage& image, const EyeFactors& eyes,
-                                      const PixelImportance& importance, bool uniform,
+PassNoise::Verdict PassNoise::verdict(const OwnImage& image, const PixelImportance& importance, bool uniform,
                                       const Surprise& surprise) const {
     Verdict v;
     if (differences_ == 0 || eyeDifferences_ == 0) return v;
-    const size_t n = squares_.size();
-    const auto halves = [&](uint32_t then, uint32_t now, auto&& sumThen, auto&& sumNow) {
-        std::vector<float> variances(n);
-        const double rest = double(now) - double(then), scale = 1 / (1 / double(then) + 1 / rest);
-        parallelFor(n, [&](size_t i) {
-            variances[i] =
-                static_cast<float>(scale * sqr(sumThen(i) / double(then) - (sumNow(i) - sumThen(i)) / rest));
+    const double half = halfPasses_, rest = double(image.passes()) - half;
+    const bool hasHalves = half >= kFewest && rest >= kOtherHalf * half;
+    const auto ofHalves = [&](std::span<const double> then, std::span<const double> now) {
+        std::vector<float> variances(pixels_);
+        const double scale = 1 / (1 / half + 1 / rest);
+        parallelFor(pixels_, [&](size_t i) {
+            variances[i] = static_cast<float>(scale * sqr(then[i] / half - (now[i] - then[i]) / rest));
         });
         return meansOf(variances, importance);
     };
-    const auto enough = [](uint32_t then, uint32_t now) {
-        return then >= kFewest && double(now - then) >= kOtherHalf * double(then);
+    const auto ofPasses = [&](const std::vector<float>& squares, uint32_t differences) {
+        const auto [most, all] = meansOf(squares, importance);
+        return std::pair(most / differences, all / differences);
     };
-    if (uniform && enough(halfPasses_, image.passes())) {
-        std::tie(v.noise, v.allNoise) = halves(
-            halfPasses_, image.passes(), [&](size_t i) { return halfShown_[i]; },
-            [&](size_t i) { return image.sums()[i]; });
-    } else {
-        std::tie(v.noise, v.allNoise) = meansOf(squares_, importance);
-        v.noise /= differences_, v.allNoise /= differences_;
-    }
-    if (enough(halfEyePasses_, eyes.passes())) {
-        std::tie(v.aloneNoise, v.aloneAllNoise) = halves(
-            halfEyePasses_, eyes.passes(), [&](size_t i) { return halfEyeSums_[i]; },
-            [&](size_t i) { return eyeSums_[i]; });
-    } else {
-        std::tie(v.aloneNoise, v.aloneAllNoise) = meansOf(eyeSquares_, importance);
-        v.aloneNoise /= eyeDifferences_, v.aloneAllNoise /= eyeDifferences_;
-    }
-    v.surprise = 1 / double(n) * surprise;
+    std::tie(v.noise, v.allNoise) =
+        hasHalves && uniform ? ofHalves(halfShown_, image.sums()) : ofPasses(squares_, differences_);
+    std::tie(v.aloneNoise, v.aloneAllNoise) =
+        hasHalves ? ofHalves(halfEyeSums_, eyeSums_) : ofPasses(eyeSquares_, eyeDifferences_);
+    v.surprise = 1 / double(pixels_) * surprise;
     v.eyeShare = work_.eyeShare();
     return v;
 }

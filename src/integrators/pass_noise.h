@@ -26,13 +26,15 @@ struct PassWork {
 /// several kinds, it is that between one judged pass and the next.
 class PassNoise {
   public:
+    explicit PassNoise(size_t pixels) : pixels_(pixels), eyeSums_(pixels) {}
+
     /// The pass to come is judged, which is made of so many iterations. It is compared with those before if
     /// they are of the same kind.
     void begin(const EyeFactors& eyes, const PixelImportance& importance, uint8_t kind, int iterations);
     /// The eye subpaths of a pass, judged or not, have been traced.
     void addEyes(const EyeFactors& eyes);
     /// Half of the passes have been made (LightSubpathChoice::halfWay()).
-    void noteHalf(const OwnImage& image, const EyeFactors& eyes);
+    void noteHalf(const OwnImage& image);
     /// The judged pass has been made.
     void close(const OwnImage& image, const PassWork& work);
     /// No more passes are judged for now.
@@ -56,28 +58,37 @@ class PassNoise {
     };
     /// Of the passes so far, all of which have had light subpaths if `uniform`. `surprise`: sum of
     /// EyeTail::surprise() in a pass.
-    Verdict verdict(const OwnImage& image, const EyeFactors& eyes, const PixelImportance& importance,
-                    bool uniform, const Surprise& surprise) const;
+    Verdict verdict(const OwnImage& image, const PixelImportance& importance, bool uniform,
+                    const Surprise& surprise) const;
 
+    /// Between two passes.
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(kind_, comparable_, differences_, eyeDifferences_, halfPasses_, halfEyePasses_, work_);
-        serializeAtMost(archive, last_, kMostPixels, "pixels");
-        serializeAtMost(archive, squares_, kMostPixels, "pixels");
-        serializeAtMost(archive, eyeSquares_, kMostPixels, "pixels");
-        serializeAtMost(archive, halfShown_, kMostPixels, "pixels");
-        serializeAtMost(archive, halfEyeSums_, kMostPixels, "pixels");
-        serializeAtMost(archive, eyeSums_, kMostPixels, "pixels");
+        archive(kind_, comparable_, differences_, eyeDifferences_, halfPasses_, work_);
+        for (std::vector<float>* values : {&last_, &squares_, &eyeSquares_})
+            serializeIfThere(archive, *values);
+        serializeIfThere(archive, halfShown_);
+        serializeIfThere(archive, halfEyeSums_);
+        serializeElements(archive, eyeSums_, "pixels");
+        checkState(halfPasses_ == 0 || !(halfShown_.empty() || halfEyeSums_.empty()),
+                   "sums of half the passes");
     }
 
   private:
-    static constexpr size_t kMostPixels = size_t{1} << 32;
+    /// A value of each pixel, or none.
+    template <class Archive, class T>
+    void serializeIfThere(Archive& archive, std::vector<T>& values) const {
+        serializeAtMost(archive, values, pixels_, "pixels");
+        checkState(values.empty() || values.size() == pixels_, "noise of all pixels");
+    }
+
+    size_t pixels_;
     EyeTail tail_;
     bool open_ = false;  ///< a judged pass has begun
     uint8_t kind_ = 0;
     bool comparable_ = false;  ///< the pass before is judged too, of its kind, and in last_
     uint32_t differences_ = 0, eyeDifferences_ = 0;
-    uint32_t halfPasses_ = 0, halfEyePasses_ = 0;  ///< at noteHalf()
+    uint32_t halfPasses_ = 0;  ///< at noteHalf()
     PassWork work_;
     // Luminances of each pixel, while passes are judged.
     std::vector<float> last_;                  ///< the pass before

@@ -38,14 +38,12 @@ class EyeFactors {
     uint16_t regionOf(const Vec2f& raster) const {
         const int x = std::clamp(static_cast<int>(std::floor(raster.x)) - window_.x, 0, window_.width - 1),
                   y = std::clamp(static_cast<int>(std::floor(raster.y)) - window_.y, 0, window_.height - 1);
-        return static_cast<uint16_t>(y / tile_ * columns_ + x / tile_);
+        return regionAt(x, y);
     }
     /// Of a pixel, an index in the window.
     uint16_t regionOf(uint32_t pixel) const {
-        const int x = static_cast<int>(pixel) % window_.width, y = static_cast<int>(pixel) / window_.width;
-        return static_cast<uint16_t>(y / tile_ * columns_ + x / tile_);
+        return regionAt(static_cast<int>(pixel) % window_.width, static_cast<int>(pixel) / window_.width);
     }
-    int pixelCount() const { return window_.pixelCount(); }
     size_t regionCount() const { return size_t(columns_) * size_t(rows_); }
     float at(const PathClass& c) const {
         return factors_[c.region * kClasses + std::min(static_cast<size_t>(c.smooth), kClasses - 1)];
@@ -81,6 +79,7 @@ class EyeFactors {
   private:
     static constexpr size_t kClasses = std::tuple_size_v<EyeEstimate>;
     void updateFactors();
+    uint16_t regionAt(int x, int y) const { return static_cast<uint16_t>(y / tile_ * columns_ + x / tile_); }
     static float sumOf(const std::vector<float>& estimates, size_t pixel, size_t first) {
         float sum = 0;
         for (size_t k = first; k < kClasses; ++k) sum += estimates[pixel * kClasses + k];

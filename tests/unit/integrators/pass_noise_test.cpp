@@ -19,7 +19,7 @@ struct Passes {
     EyeFactors eyes{kWindow};
     OwnImage image{kWindow};
     PixelImportance importance;
-    PassNoise noise;
+    PassNoise noise{kPixels};
     CounterRng rng{5};
 
     void add(float spread, float eyeSpread) {
@@ -43,7 +43,7 @@ struct Passes {
     }
     PassNoise::Verdict verdict(bool uniform = true, const Surprise& surprise = {}) {
         importance.update(image);
-        return noise.verdict(image, eyes, importance, uniform, surprise);
+        return noise.verdict(image, importance, uniform, surprise);
     }
 };
 
@@ -65,7 +65,7 @@ TEST(PassNoise, ComparesTheHalvesWhereThereAreEnoughPasses) {
     p.judge(4, 0.1f, 0.2f);
     p.noise.end();
     for (int i = 0; i < 4; ++i) p.add(0.1f, 0.2f);
-    p.noise.noteHalf(p.image, p.eyes);
+    p.noise.noteHalf(p.image);
     for (int i = 0; i < 8; ++i) p.add(0.1f, 0.2f);
     p.judge(2, 0.3f, 0.2f);  // two noisier ones
     // Half the passes have 0.01, 8 have it and 2 have 0.09 in the others.

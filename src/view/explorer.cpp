@@ -330,16 +330,7 @@ void Explorer::save() {
             for (std::filesystem::path& file : files.images) file = named(file, side.options.integrator);
             files.checkpoint = named(files.checkpoint, side.options.integrator);
         }
-        const Outcome outcome = write(side, files);
-        std::string text;
-        for (const std::string& failure : outcome.failures) text += failure + "\n";
-        if (!outcome.checkpointFailure.empty()) text += outcome.checkpointFailure + "\n";
-        if (text.empty()) {
-            for (const std::filesystem::path& file : files.images) text += file.string() + ", ";
-            board_.tell(fmt::format("wrote {}{}", text, files.checkpoint.string()));
-        } else {
-            board_.tell(text, true);
-        }
+        tellOfFiles(board_, write(side, files), files);
     }
 }
 

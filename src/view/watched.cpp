@@ -3,8 +3,6 @@
 #include "view/camera_motion.h"
 #include "view/frames.h"
 
-#include <fmt/format.h>
-
 namespace metrolux::core::view {
 namespace {
 
@@ -32,7 +30,7 @@ class Watched {
                 setPhase(outcome.reason == metrolux::StopReason::Interrupted ? Phase::Stopped : Phase::Done);
                 return outcome;
             }
-            tellOfFiles(outcome);
+            tellOfFiles(board_, outcome, files_);
             saves_ = false;
             if (waitWhilePaused()) {
                 setPhase(Phase::Stopped);
@@ -88,17 +86,6 @@ class Watched {
                 side, name,
                 {layer.width, layer.height, layer.channels, {layer.data, layer.data + layer.size()}});
         }
-    }
-    void tellOfFiles(const Outcome& outcome) {
-        std::string text;
-        for (const std::string& failure : outcome.failures) text += failure + "\n";
-        if (!outcome.checkpointFailure.empty()) text += outcome.checkpointFailure;
-        if (!text.empty()) return board_.tell(text, true);
-        if (outcome.passes == 0) return;
-        for (const std::filesystem::path& file : files_.images)
-            text += (text.empty() ? "" : ", ") + file.string();
-        if (!files_.checkpoint.empty()) text += ", " + files_.checkpoint.string();
-        board_.tell("wrote " + text);
     }
 
     Session& session_;

@@ -71,6 +71,13 @@ def sky_pixels(width=256):
     return result + 20 * np.exp(-((u - 0.3) ** 2 + (v - 0.3) ** 2) / 0.002)[:, :, None] * np.array([1, 0.8, 0.5])
 
 
+def background(t, sky, rotation, strength):
+    coordinates = support.new_node(t, "ShaderNodeTexCoord")
+    mapping = support.new_node(t, "ShaderNodeMapping", {"Vector": coordinates.outputs["Generated"], "Rotation": rotation})
+    picture = support.new_node(t, "ShaderNodeTexEnvironment", {"Vector": mapping.outputs["Vector"]}, image=sky)
+    return support.new_node(t, "ShaderNodeBackground", {"Color": picture.outputs["Color"], "Strength": strength})
+
+
 class Skies(unittest.TestCase):
     def test_color(self):
         floor_and_ball()
@@ -81,29 +88,13 @@ class Skies(unittest.TestCase):
         """Rotated about all axes; seen, and as a light."""
         floor_and_ball()
         sky = support.image("Sky", sky_pixels())
-
-        def build(t):
-            coordinates = support.new_node(t, "ShaderNodeTexCoord")
-            mapping = support.new_node(t, "ShaderNodeMapping", {"Vector": coordinates.outputs["Generated"],
-                                                                "Rotation": (0.3, -0.2, 2)})
-            picture = support.new_node(t, "ShaderNodeTexEnvironment", {"Vector": mapping.outputs["Vector"]}, image=sky)
-            return support.new_node(t, "ShaderNodeBackground", {"Color": picture.outputs["Color"], "Strength": 0.7})
-
-        support.world(build)
+        support.world(lambda t: background(t, sky, (0.3, -0.2, 2), 0.7))
         checked(self, compare("sky"))
 
     def test_map_with_sun(self):
         floor_and_ball()
         sky = support.image("Sky", sky_pixels())
-
-        def build(t):
-            coordinates = support.new_node(t, "ShaderNodeTexCoord")
-            mapping = support.new_node(t, "ShaderNodeMapping", {"Vector": coordinates.outputs["Generated"],
-                                                                "Rotation": (0, 0, 1)})
-            picture = support.new_node(t, "ShaderNodeTexEnvironment", {"Vector": mapping.outputs["Vector"]}, image=sky)
-            return support.new_node(t, "ShaderNodeBackground", {"Color": picture.outputs["Color"], "Strength": 0.4})
-
-        support.world(build)
+        support.world(lambda t: background(t, sky, (0, 0, 1), 0.4))
         support.light("SUN", (-1, -2, 2), energy=2, angle=math.radians(3))
         checked(self, compare("sky-sun"))
 

@@ -2,6 +2,7 @@
 #include "base/error.h"
 #include "base/transform.h"
 #include "endpoint/endpoint.h"
+#include "geometry/medium_sides.h"
 #include "image/film_window.h"
 
 #include <array>
@@ -17,6 +18,8 @@ class Camera : public Endpoint {
     explicit Camera(const FilmWindow& window) : window_(window) {}
     const FilmWindow& window() const { return window_; }
     bool isDelta() const override { return true; }  // no subpath hits a lens
+    /// What the camera stands in; nothing where the scene is to find out from the boundaries around it.
+    std::optional<MediumIndex> medium;
     /// Approximate width of a pixel's footprint at distance d (scene units): for the merging radius.
     virtual float pixelFootprint(float distance) const = 0;
     virtual Vec3f position() const = 0;

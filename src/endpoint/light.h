@@ -1,6 +1,7 @@
 #pragma once
 #include "base/direction_cone.h"
 #include "endpoint/endpoint.h"
+#include "geometry/medium_sides.h"
 
 #include <memory>
 #include <vector>
@@ -37,6 +38,10 @@ class Light : public Endpoint {
     /// too dark for single precision and for the sums of the film: see Scene::emissionExponent().
     int emissionExponent() const { return emissionExponent_; }
     void setEmissionExponent(int exponent);
+
+    /// What the light stands in; nothing where the scene is to find out. An area light on a surface that
+    /// bounds a medium is in what lies on the side that it shines to.
+    std::optional<MediumIndex> medium;
 
     /// Nothing for lights that are nowhere in particular: infinite ones, and those that are not connectable.
     virtual std::optional<LightBounds> bounds() const { return std::nullopt; }

@@ -4,6 +4,7 @@
 #include "base/math.h"
 #include "base/transform.h"
 #include "geometry/interaction.h"
+#include "geometry/medium_sides.h"
 
 #include <memory>
 #include <optional>
@@ -71,6 +72,8 @@ class Shape {
     std::string id;                        ///< name for messages
     std::shared_ptr<const Bsdf> bsdf;      ///< never null after loading
     std::shared_ptr<const Light> emitter;  ///< null unless the shape is an area light
+    /// Nothing unless the surface bounds a medium: then the same is on both of its sides.
+    std::optional<MediumSides> media;
 };
 using ShapePtr = std::shared_ptr<Shape>;
 

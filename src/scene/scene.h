@@ -5,6 +5,7 @@
 #include "geometry/intersector.h"
 #include "geometry/shape.h"
 #include "image/filter.h"
+#include "media/medium.h"
 #include "scattering/bsdf.h"
 #include "scene/scene_integrator.h"
 
@@ -34,6 +35,7 @@ struct SceneParts {
     std::vector<ShapePtr> shapes;  ///< with bsdf and emitter set
     std::vector<Instance> instances;
     std::vector<LightPtr> lights;  ///< all lights, area lights included
+    std::vector<MediumPtr> media;  ///< what a MediumIndex refers to
     CameraPtr camera;
     PathLimits limits;
     SceneIntegrator integrator;

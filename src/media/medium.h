@@ -1,7 +1,6 @@
 #pragma once
 #include "media/phase_function.h"
-
-#include <optional>
+#include "media/volume.h"
 
 namespace metrolux::core {
 
@@ -38,5 +37,10 @@ using MediumPtr = std::shared_ptr<const Medium>;
 
 /// Finite, `extinction` >= 0, `albedo` in [0, 1]; throws Error.
 MediumPtr makeHomogeneousMedium(const Rgb& extinction, const Rgb& albedo, PhaseFunctionPtr phase);
+/// The extinction is `density` times `scale`, within the bounds of `density`; outside is empty space. What
+/// the medium says of points is what the volumes have there: whoever asks comes from fly(), and single
+/// precision may have put such a point just outside, or on the other side of a step to zero. `scale` finite
+/// and not negative, albedo in [0, 1]; throws Error.
+MediumPtr makeHeterogeneousMedium(VolumePtr density, float scale, VolumePtr albedo, PhaseFunctionPtr phase);
 
 }  // namespace metrolux::core

@@ -1,7 +1,9 @@
 #pragma once
 #include "base/math.h"
+#include "media/volume.h"
 
 #include <memory>
+#include <span>
 
 namespace metrolux::core {
 
@@ -27,5 +29,10 @@ PhaseFunctionPtr makeIsotropicPhase();
 PhaseFunctionPtr makeHenyeyGreensteinPhase(float g);
 /// 3 / (16 pi) (1 + cosine^2)
 PhaseFunctionPtr makeRayleighPhase();
+/// Piecewise linear in the cosine between values at equal steps from -1 (straight back) to 1 (straight on),
+/// normalized here. Two values at least, finite, none negative and not all zero; throws Error.
+PhaseFunctionPtr makeTabulatedPhase(std::span<const float> values);
+/// (1 - weight) first + weight second. The weight is the luminance of a volume in [0, 1]; throws Error.
+PhaseFunctionPtr makeBlendPhase(PhaseFunctionPtr first, PhaseFunctionPtr second, VolumePtr weight);
 
 }  // namespace metrolux::core

@@ -1,0 +1,37 @@
+#pragma once
+#include "base/uninitialized.h"
+#include "media/volume.h"
+
+namespace metrolux::core {
+
+/// Samples on a regular grid.
+struct GridSamples {
+    Imath::V3i resolution{1};  ///< number of samples along x, y, z
+    int channels = 1;          ///< 1 or 3
+    /// Sample (x, y, z) has its channels at ((z * resolution.y + y) * resolution.x + x) * channels.
+    UninitializedVector<float> values;
+};
+
+enum class GridFilter { Trilinear, Nearest };
+/// What is beyond the unit cube: the nearest value inside, the grid again, or its mirror image in turn.
+enum class GridWrap { Clamp, Repeat, Mirror };
+/// Where samples lie in the unit cube, whose axis of n samples is [0, 1].
+enum class GridPlacement {
+    Cells,  ///< at (i + 1/2) / n, as in Mitsuba 3
+    Nodes   ///< at i / (n - 1), the first and the last on the faces; nothing outside, as in Mitsuba 0.6
+};
+
+struct GridSettings {
+    GridFilter filter = GridFilter::Trilinear;
+    GridWrap wrap = GridWrap::Clamp;
+    GridPlacement placement = GridPlacement::Cells;
+    Transform toWorld;  ///< from the space of the unit cube; affine
+};
+
+/// Throws Error unless all values are finite and not negative, the counts fit each other (Nodes: two samples
+/// an axis at least, trilinear), and toWorld is affine and can be inverted.
+VolumePtr makeGridVolume(GridSamples samples, const GridSettings& settings);
+/// Bytes that a volume needs beside its samples, for who books memory.
+uint64_t gridVolumeBytes(const Imath::V3i& resolution);
+
+}  // namespace metrolux::core

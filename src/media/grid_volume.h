@@ -25,7 +25,7 @@ struct GridSettings {
     GridFilter filter = GridFilter::Trilinear;
     GridWrap wrap = GridWrap::Clamp;
     GridPlacement placement = GridPlacement::Cells;
-    Transform toWorld;  ///< from the space of the unit cube; affine
+    Transform toWorld{};  ///< from the space of the unit cube; affine
 };
 
 /// Throws Error unless all values are finite and not negative, the counts fit each other (Nodes: two samples

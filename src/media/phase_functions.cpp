@@ -20,7 +20,7 @@ class HenyeyGreenstein final : public PhaseFunction {
     float evaluate(const Vec3f&, float cosine) const override {
         // 1 + g^2 - 2 g cosine, which would cancel where the function peaks.
         const float d = sqr(1 - std::abs(g_)) + 2 * std::abs(g_) * (1 - std::copysign(1.0f, g_) * cosine);
-        return kInvFourPi * (1 - g_ * g_) / (d * std::sqrt(d));
+        return kInvFourPi * (1 - g_) * (1 + g_) / (d * std::sqrt(d));
     }
     Sample sample(const Vec3f& p, float, float u) const override {
         float cosine = 1 - 2 * u;

@@ -1,0 +1,421 @@
+/// Rays march through the cells of the grid's base, which is its unit cube; other places are mapped into it.
+
+#include "media/grid_volume.h"
+
+#include "base/error.h"
+#include "media/grid_cell.h"
+
+#include <array>
+#include <vector>
+
+namespace metrolux::core {
+namespace {
+
+/// Periods of a repeated grid within its bounds; more are refused, as a ray would take forever.
+constexpr double kMostPeriods = 4096;
+
+/// One axis of the grid. Its cells are [i, i + 1] in grid coordinates, of which the unit cube is the part
+/// from `low` to `low + period`.
+struct Axis {
+    double low = 0, period = 1;
+    int cells = 1;
+    /// Of each cell, from -1 to `cells`: where the samples on its two sides are. A ray may come to the
+    /// outermost by rounding.
+    std::vector<size_t> lower, upper;
+
+    Axis(int samples, size_t stride, const GridSettings& settings) {
+        const bool isLinear = settings.filter == GridFilter::Trilinear,
+                   isNodes = settings.placement == GridPlacement::Nodes;
+        period = isNodes ? samples - 1 : samples;
+        low = isLinear && !isNodes ? 0.5 : 0.0;
+        cells = isNodes ? samples - 1 : isLinear ? samples + 1 : samples;
+        const int shift = isLinear && !isNodes ? 1 : 0;
+        const auto sample = [&](int i) {
+            const bool repeats = settings.wrap == GridWrap::Repeat;
+            if (i < 0) i = repeats ? samples - 1 : 0;  // a mirror image begins with the same sample
+            if (i >= samples) i = repeats ? 0 : samples - 1;
+            return static_cast<size_t>(i) * stride;
+        };
+        const int least = -shift, most = cells - shift - (isLinear ? 0 : 1);
+        for (int cell = -1; cell <= cells; ++cell) {
+            lower.push_back(sample(std::clamp(cell - shift, least, most)));
+            upper.push_back(isLinear ? sample(std::clamp(cell - shift + 1, least, most)) : lower.back());
+        }
+    }
+    int blocks() const { return (cells + kBlock - 1) / kBlock; }
+};
+
+/// Samples at the corners of the cells of a run.
+template <int Channels>
+struct RunSamples {
+    float corner[Channels][kCorners][CellRun::kMost];
+};
+
+/// Integrals over the cells of a run, of one channel.
+void integrate(const CellRun& run, const LatticeRay& ray, const float (&corner)[kCorners][CellRun::kMost],
+               double (&parts)[CellRun::kMost]) {
+    for (int i = 0; i < run.padded; ++i) {
+        const double middle = 0.5 * (run.distance[i] + run.distance[i + 1]),
+                     half = 0.5 * (run.distance[i + 1] - run.distance[i]);
+        const auto at = [&](double t) {
+            const float c[kCorners] = {corner[0][i], corner[1][i], corner[2][i], corner[3][i],
+                                       corner[4][i], corner[5][i], corner[6][i], corner[7][i]};
+            return trilinear(c, static_cast<float>(ray.origin.x + ray.direction.x * t - run.x[i]),
+                             static_cast<float>(ray.origin.y + ray.direction.y * t - run.y[i]),
+                             static_cast<float>(ray.origin.z + ray.direction.z * t - run.z[i]));
+        };
+        const float sum = at(middle - kGauss * half) + at(middle + kGauss * half);
+        // Rounding may take a value below 0 where samples are 0.
+        parts[i] = half * static_cast<double>(sum > 0 ? sum : 0);
+    }
+}
+
+/// Adds up what a ray crosses.
+template <int Channels>
+struct Integral {
+    double sum[Channels] = {};
+
+    bool uniform(const float* value, double begin, double end) {
+        for (int c = 0; c < Channels; ++c) sum[c] += (end - begin) * double(value[c]);
+        return true;
+    }
+    bool cells(const CellRun& run, const LatticeRay& ray, const RunSamples<Channels>& samples) {
+        double parts[CellRun::kMost];
+        for (int c = 0; c < Channels; ++c) {
+            integrate(run, ray, samples.corner[c], parts);
+            for (int i = 0; i < run.count; ++i) sum[c] += parts[i];
+        }
+        return true;
+    }
+};
+
+/// The same until a channel exceeds its target.
+template <int Channels>
+struct Search {
+    int channel = 0;
+    double target = 0;
+    double sum[Channels] = {};
+    std::optional<double> distance;
+
+    bool uniform(const float* value, double begin, double end) {
+        const double rest = target - sum[channel], rate = value[channel];
+        if (rest < rate * (end - begin)) distance = end = std::min(begin + rest / rate, end);
+        for (int c = 0; c < Channels; ++c) sum[c] += (end - begin) * double(value[c]);
+        return !distance;
+    }
+    bool cells(const CellRun& run, const LatticeRay& ray, const RunSamples<Channels>& samples) {
+        double parts[Channels][CellRun::kMost];
+        for (int c = 0; c < Channels; ++c) integrate(run, ray, samples.corner[c], parts[c]);
+        for (int i = 0; i < run.count; ++i) {
+            const double rest = target - sum[channel];
+            if (rest < parts[channel][i]) {
+                const double begin = run.distance[i];
+                distance = cellOf(run, ray, samples, channel, i).solve(begin, run.distance[i + 1], rest);
+                for (int c = 0; c < Channels; ++c)
+                    sum[c] += cellOf(run, ray, samples, c, i).integral(begin, *distance);
+                return false;
+            }
+            for (int c = 0; c < Channels; ++c) sum[c] += parts[c][i];
+        }
+        return true;
+    }
+    static GridCell cellOf(const CellRun& run, const LatticeRay& ray, const RunSamples<Channels>& samples,
+                           int channel, int i) {
+        GridCell cell;
+        for (int k = 0; k < kCorners; ++k) cell.corner[k] = samples.corner[channel][k][i];
+        cell.origin = ray.origin - Vec3d(run.x[i], run.y[i], run.z[i]);
+        cell.direction = ray.direction;
+        return cell;
+    }
+};
+
+template <int Channels>
+class GridVolume final : public Volume {
+  public:
+    GridVolume(GridSamples samples, const GridSettings& settings)
+        : settings_(settings),
+          values_(std::move(samples.values)),
+          axes_{
+              Axis(samples.resolution.x, Channels, settings),
+              Axis(samples.resolution.y, size_t(Channels) * size_t(samples.resolution.x), settings),
+              Axis(samples.resolution.z,
+                   size_t(Channels) * size_t(samples.resolution.x) * size_t(samples.resolution.y), settings)},
+          bounds_(boundsOfUnitCube(settings.toWorld, "gridvolume")) {
+        const Transform toLocal = settings.toWorld.inverse();
+        for (int row = 0; row < 3; ++row) {
+            for (int column = 0; column < 4; ++column)
+                toGrid_[row][column] = axes_[row].period * toLocal.at(row, column);
+            toGrid_[row][3] += axes_[row].low;
+        }
+        refuseThinGrids(toLocal);
+        checkValues(samples.resolution);
+        findUniformBlocks();
+    }
+
+    Rgb value(const Vec3f& p) const override {
+        const Vec3d place = pointToGrid(p);
+        Vec3d inside;
+        Imath::V3i cell;
+        for (int a = 0; a < 3; ++a) {
+            const Axis& axis = axes_[a];
+            const double periods = (place[a] - axis.low) / axis.period;
+            // Points on the faces may have been rounded.
+            if (settings_.placement == GridPlacement::Nodes && !(periods > -1e-4 && periods < 1 + 1e-4))
+                return Rgb(0.0f);
+            inside[a] = Mirrored(*this, a, zoneOf(periods)).place(place[a]);
+            cell[a] = static_cast<int>(std::clamp(std::floor(inside[a]), 0.0, axis.cells - 1.0));
+            inside[a] = std::clamp(inside[a] - cell[a], 0.0, 1.0);
+        }
+        if (settings_.filter == GridFilter::Nearest) return rgb(sampleOf(cell));
+        float result[Channels];
+        const auto corners = cornersOf(cell);
+        for (int c = 0; c < Channels; ++c) {
+            float corner[kCorners];
+            for (int k = 0; k < kCorners; ++k) corner[k] = values_[corners[k] + size_t(c)];
+            result[c] = trilinear(corner, float(inside.x), float(inside.y), float(inside.z));
+        }
+        return rgb(result);
+    }
+    Rgb integral(const Vec3f& origin, const Vec3f& direction, double begin, double end) const override {
+        Integral<Channels> result;
+        march(origin, direction, begin, end, result);
+        return rgb(result.sum);
+    }
+    std::optional<Crossing> cross(const Vec3f& origin, const Vec3f& direction, double begin, double end,
+                                  int channel, double target) const override {
+        Search<Channels> search;
+        search.channel = Channels == 1 ? 0 : channel;
+        search.target = target;
+        march(origin, direction, begin, end, search);
+        if (!search.distance) return std::nullopt;
+        return Crossing{*search.distance, rgb(search.sum)};
+    }
+    Rgb maximum() const override { return maximum_; }
+    Imath::Box3d bounds() const override { return bounds_; }
+
+  private:
+    template <class Real>
+    static Rgb rgb(const Real* value) {
+        const auto of = [&](int c) { return static_cast<float>(value[Channels == 1 ? 0 : c]); };
+        return {of(0), of(1), of(2)};
+    }
+    Vec3d pointToGrid(const Vec3f& p) const {
+        Vec3d result;
+        for (int a = 0; a < 3; ++a)
+            result[a] = toGrid_[a][0] * p.x + toGrid_[a][1] * p.y + toGrid_[a][2] * p.z + toGrid_[a][3];
+        return result;
+    }
+    Vec3d vectorToGrid(const Vec3f& v) const {
+        Vec3d result;
+        for (int a = 0; a < 3; ++a)
+            result[a] = toGrid_[a][0] * v.x + toGrid_[a][1] * v.y + toGrid_[a][2] * v.z;
+        return result;
+    }
+
+    /// Space along an axis is divided into zones like the unit cube, which is zone 0. A clamped grid has
+    /// three.
+    int mostZone() const {
+        return settings_.wrap == GridWrap::Clamp ? 1 : static_cast<int>(kMostPeriods) * 2;
+    }
+    int zoneOf(double periods) const {
+        if (settings_.placement == GridPlacement::Nodes) return 0;
+        const double most = mostZone();
+        return static_cast<int>(std::clamp(std::floor(periods), -most, most));
+    }
+    /// Map of a zone into zone 0: slope * x + shift.
+    struct Mirrored {
+        double slope = 1, shift = 0;
+
+        Mirrored(const GridVolume& grid, int a, int zone) {
+            if (zone == 0) return;
+            const Axis& axis = grid.axes_[a];
+            if (grid.settings_.wrap == GridWrap::Clamp) {
+                slope = 0;
+                shift = zone < 0 ? axis.low : axis.low + axis.period;
+            } else if (grid.settings_.wrap == GridWrap::Mirror && zone % 2 != 0) {
+                slope = -1;
+                shift = 2 * axis.low + (zone + 1) * axis.period;
+            } else {
+                shift = -zone * axis.period;
+            }
+        }
+        double place(double x) const { return slope * x + shift; }
+    };
+
+    template <class Visitor>
+    void march(const Vec3f& origin, const Vec3f& direction, double begin, double end,
+               Visitor& visitor) const {
+        const LatticeRay ray(pointToGrid(origin), vectorToGrid(direction));
+        // In units of zones.
+        Vec3d o, d;
+        bool isInside = true;
+        for (int a = 0; a < 3; ++a) {
+            o[a] = (ray.origin[a] - axes_[a].low) / axes_[a].period;
+            d[a] = ray.direction[a] / axes_[a].period;
+            constexpr double kRounding = 1e-9;
+            for (const double t : {begin, end}) {
+                const double x = o[a] + d[a] * t;
+                isInside = isInside && x > -kRounding && x < 1 + kRounding;
+            }
+        }
+        if (isInside) {
+            marchBase(ray, begin, end, visitor);
+            return;
+        }
+        if (settings_.placement == GridPlacement::Nodes) {
+            for (int a = 0; a < 3; ++a) {
+                if (d[a] == 0 && (o[a] < 0 || o[a] > 1)) return;
+                if (d[a] == 0) continue;
+                const double low = -o[a] / d[a], high = (1 - o[a]) / d[a];
+                begin = std::max(begin, std::min(low, high));
+                end = std::min(end, std::max(low, high));
+            }
+            if (begin < end) marchBase(ray, begin, end, visitor);
+            return;
+        }
+        const Imath::V3i most(mostZone());
+        walkLattice(LatticeRay(o, d), 1, -most, most, begin, end,
+                    [&](const Imath::V3i& zone, double entry, double exit) {
+                        Vec3d mappedOrigin, mappedDirection;
+                        for (int a = 0; a < 3; ++a) {
+                            const Mirrored map(*this, a, zone[a]);
+                            mappedOrigin[a] = map.place(ray.origin[a]);
+                            mappedDirection[a] = map.slope * ray.direction[a];
+                        }
+                        return marchBase(LatticeRay(mappedOrigin, mappedDirection), entry, exit, visitor);
+                    });
+    }
+    /// Within zone 0: block by block, and cell by cell in those blocks that are not uniform.
+    template <class Visitor>
+    bool marchBase(const LatticeRay& ray, double begin, double end, Visitor& visitor) const {
+        const Imath::V3i blocks(axes_[0].blocks(), axes_[1].blocks(), axes_[2].blocks());
+        const auto inBlock = [&](const Imath::V3i& block, double entry, double exit) {
+            if (isUniform_[blockIndex(block)]) return visitor.uniform(sampleOf(block * kBlock), entry, exit);
+            const CellRun run(ray, entry, exit);
+            if (settings_.filter == GridFilter::Nearest) {
+                for (int i = 0; i < run.count; ++i)
+                    if (!visitor.uniform(sampleOf({run.x[i], run.y[i], run.z[i]}), run.distance[i],
+                                         run.distance[i + 1]))
+                        return false;
+                return true;
+            }
+            RunSamples<Channels> samples;
+            for (int i = 0; i < run.padded; ++i) {
+                const auto corners = cornersOf({run.x[i], run.y[i], run.z[i]});
+                for (int k = 0; k < kCorners; ++k)
+                    for (int c = 0; c < Channels; ++c)
+                        samples.corner[c][k][i] = values_[corners[k] + size_t(c)];
+            }
+            return visitor.cells(run, ray, samples);
+        };
+        return walkLattice(ray, kBlock, Imath::V3i(0), blocks - Imath::V3i(1), begin, end, inBlock);
+    }
+    size_t blockIndex(const Imath::V3i& block) const {
+        return (size_t(block.z) * size_t(axes_[1].blocks()) + size_t(block.y)) * size_t(axes_[0].blocks()) +
+               size_t(block.x);
+    }
+    const float* sampleOf(const Imath::V3i& cell) const {
+        return &values_[axes_[0].lower[size_t(cell.x + 1)] + axes_[1].lower[size_t(cell.y + 1)] +
+                        axes_[2].lower[size_t(cell.z + 1)]];
+    }
+    std::array<size_t, kCorners> cornersOf(const Imath::V3i& cell) const {
+        const auto x = size_t(cell.x + 1), y = size_t(cell.y + 1), z = size_t(cell.z + 1);
+        const size_t low = axes_[0].lower[x], high = axes_[0].upper[x], y0 = axes_[1].lower[y],
+                     y1 = axes_[1].upper[y], z0 = axes_[2].lower[z], z1 = axes_[2].upper[z];
+        const size_t rows[4] = {y0 + z0, y1 + z0, y0 + z1, y1 + z1};
+        return {rows[0] + low, rows[0] + high, rows[1] + low, rows[1] + high,
+                rows[2] + low, rows[2] + high, rows[3] + low, rows[3] + high};
+    }
+
+    void refuseThinGrids(const Transform& toLocal) const {
+        if (settings_.wrap == GridWrap::Clamp || settings_.placement == GridPlacement::Nodes) return;
+        for (int corner = 0; corner < 8; ++corner) {
+            const Vec3d p = toLocal.exactPoint(Vec3d(corner & 1 ? bounds_.max.x : bounds_.min.x,
+                                                     corner & 2 ? bounds_.max.y : bounds_.min.y,
+                                                     corner & 4 ? bounds_.max.z : bounds_.min.z));
+            for (int a = 0; a < 3; ++a)
+                if (!(std::abs(p[a]) < kMostPeriods))
+                    throw Error(
+                        "gridvolume: repeats itself {:.3g} times within its bounds, expected {} times at "
+                        "most",
+                        std::abs(p[a]), kMostPeriods);
+        }
+    }
+    void checkValues(const Imath::V3i& resolution) {
+        float most[Channels] = {};
+        for (size_t i = 0; i < values_.size(); ++i) {
+            const float value = values_[i];
+            if (!(value >= 0 && value <= std::numeric_limits<float>::max())) {
+                const size_t cell = i / Channels, nx = size_t(resolution.x), ny = size_t(resolution.y);
+                throw Error(
+                    "gridvolume: found {} in cell ({}, {}, {}), channel {} (counted from 0), expected "
+                    "finite numbers that are not negative",
+                    value, cell % nx, cell / nx % ny, cell / nx / ny, i % Channels);
+            }
+            most[i % Channels] = std::max(most[i % Channels], value);
+        }
+        maximum_ = rgb(most);
+    }
+    void findUniformBlocks() {
+        Imath::V3i block;
+        for (block.z = 0; block.z < axes_[2].blocks(); ++block.z)
+            for (block.y = 0; block.y < axes_[1].blocks(); ++block.y)
+                for (block.x = 0; block.x < axes_[0].blocks(); ++block.x)
+                    isUniform_.push_back(isUniform(block * kBlock));
+    }
+    bool isUniform(const Imath::V3i& first) const {
+        const float* const value = sampleOf(first);
+        Imath::V3i last, cell;
+        for (int a = 0; a < 3; ++a) last[a] = std::min(first[a] + kBlock, axes_[a].cells);
+        for (cell.z = first.z; cell.z < last.z; ++cell.z)
+            for (cell.y = first.y; cell.y < last.y; ++cell.y)
+                for (cell.x = first.x; cell.x < last.x; ++cell.x)
+                    for (const size_t corner : cornersOf(cell))
+                        if (!std::equal(value, value + Channels, &values_[corner])) return false;
+        return true;
+    }
+
+    GridSettings settings_;
+    UninitializedVector<float> values_;
+    std::array<Axis, 3> axes_;
+    double toGrid_[3][4];
+    Imath::Box3d bounds_;
+    Rgb maximum_{0.0f};
+    std::vector<uint8_t> isUniform_;  ///< block by block, x fastest
+};
+
+}  // namespace
+
+VolumePtr makeGridVolume(GridSamples samples, const GridSettings& settings) {
+    if (samples.channels != 1 && samples.channels != 3)
+        throw Error("gridvolume: has {} channels, expected 1 or 3", samples.channels);
+    const int least = settings.placement == GridPlacement::Nodes ? 2 : 1;
+    size_t count = static_cast<size_t>(samples.channels);
+    bool fits = true;
+    for (int a = 0; a < 3; ++a) {
+        const int n = samples.resolution[a];
+        if (n < least || n > (1 << 30))
+            throw Error("gridvolume: has {} samples along axis {}, expected {} to 2^30", n, "xyz"[a], least);
+        fits = fits && count <= samples.values.size() / static_cast<size_t>(n);
+        if (fits) count *= static_cast<size_t>(n);
+    }
+    if (!fits || count != samples.values.size())
+        throw Error("gridvolume: has {} values, expected {} x {} x {} of {} channels", samples.values.size(),
+                    samples.resolution.x, samples.resolution.y, samples.resolution.z, samples.channels);
+    if (settings.placement == GridPlacement::Nodes && settings.filter != GridFilter::Trilinear)
+        throw Error("gridvolume: samples on the faces of the cube are interpolated linearly alone");
+    if (samples.channels == 1) return std::make_shared<GridVolume<1>>(samples, settings);
+    return std::make_shared<GridVolume<3>>(samples, settings);
+}
+
+uint64_t gridVolumeBytes(const Imath::V3i& resolution) {
+    uint64_t blocks = 1, tables = 0;
+    for (int a = 0; a < 3; ++a) {
+        const auto cells = static_cast<uint64_t>(resolution[a]) + 3;
+        blocks *= (cells + kBlock - 1) / kBlock;
+        tables += cells * 2 * sizeof(size_t);
+    }
+    return blocks + tables;
+}
+
+}  // namespace metrolux::core

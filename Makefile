@@ -130,7 +130,7 @@ sanitize-all: debug-test  ## the whole suite with both sanitizers, one after the
 	tools/run_tests.sh thread
 
 FUZZ_SECONDS := 300
-FUZZ_TARGETS := obj ply serialized spectrum ies gltf pbrt image scene checkpoint
+FUZZ_TARGETS := obj ply serialized volume spectrum ies gltf pbrt image scene checkpoint
 fuzz: setup  ## libFuzzer on each parser, FUZZ_SECONDS each (needs clang)
 	cmake --preset fuzz
 	cmake --build --preset fuzz --target $(FUZZ_TARGETS:%=fuzz_%)

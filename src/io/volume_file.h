@@ -8,7 +8,7 @@ namespace metrolux::core {
 
 struct VolumeFile {
     GridSamples samples;
-    Imath::Box3f box;  ///< of the data, as the file has it
+    Imath::Box3d box;  ///< of the data, as the file has it
 };
 
 /// Mitsuba's grids (.vol, version 3) of 32 or 16 bit floats or of bytes, which are fractions of 255, with one

@@ -148,7 +148,7 @@ class GridVolume final : public Volume {
             toGrid_[row][3] += axes_[row].low;
         }
         refuseThinGrids(toLocal);
-        checkValues(samples.resolution);
+        findMaximum();
         findUniformBlocks();
     }
 
@@ -341,19 +341,10 @@ class GridVolume final : public Volume {
                         std::abs(p[a]), kMostPeriods);
         }
     }
-    void checkValues(const Imath::V3i& resolution) {
+    void findMaximum() {
         float most[Channels] = {};
-        for (size_t i = 0; i < values_.size(); ++i) {
-            const float value = values_[i];
-            if (!(value >= 0 && value <= std::numeric_limits<float>::max())) {
-                const size_t cell = i / Channels, nx = size_t(resolution.x), ny = size_t(resolution.y);
-                throw Error(
-                    "gridvolume: found {} in cell ({}, {}, {}), channel {} (counted from 0), expected "
-                    "finite numbers that are not negative",
-                    value, cell % nx, cell / nx % ny, cell / nx / ny, i % Channels);
-            }
-            most[i % Channels] = std::max(most[i % Channels], value);
-        }
+        for (size_t i = 0; i < values_.size(); ++i)
+            most[i % Channels] = std::max(most[i % Channels], values_[i]);
         maximum_ = rgb(most);
     }
     void findUniformBlocks() {
@@ -386,22 +377,41 @@ class GridVolume final : public Volume {
 
 }  // namespace
 
-VolumePtr makeGridVolume(GridSamples samples, const GridSettings& settings) {
+void checkSamples(const GridSamples& samples) {
     if (samples.channels != 1 && samples.channels != 3)
         throw Error("gridvolume: has {} channels, expected 1 or 3", samples.channels);
-    const int least = settings.placement == GridPlacement::Nodes ? 2 : 1;
-    size_t count = static_cast<size_t>(samples.channels);
+    const size_t channels = static_cast<size_t>(samples.channels);
+    size_t count = channels;
     bool fits = true;
     for (int a = 0; a < 3; ++a) {
         const int n = samples.resolution[a];
-        if (n < least || n > (1 << 30))
-            throw Error("gridvolume: has {} samples along axis {}, expected {} to 2^30", n, "xyz"[a], least);
+        if (n < 1 || n > (1 << 30))
+            throw Error("gridvolume: has {} samples along axis {}, expected 1 to 2^30", n, "xyz"[a]);
         fits = fits && count <= samples.values.size() / static_cast<size_t>(n);
         if (fits) count *= static_cast<size_t>(n);
     }
     if (!fits || count != samples.values.size())
         throw Error("gridvolume: has {} values, expected {} x {} x {} of {} channels", samples.values.size(),
                     samples.resolution.x, samples.resolution.y, samples.resolution.z, samples.channels);
+    const auto isBad = [](float value) {
+        return !(value >= 0 && value <= std::numeric_limits<float>::max());
+    };
+    const auto bad = std::find_if(samples.values.begin(), samples.values.end(), isBad);
+    if (bad == samples.values.end()) return;
+    const auto at = static_cast<size_t>(bad - samples.values.begin()), cell = at / channels,
+               nx = static_cast<size_t>(samples.resolution.x), ny = static_cast<size_t>(samples.resolution.y);
+    throw Error(
+        "gridvolume: found {} in cell ({}, {}, {}), channel {} (counted from 0), expected finite numbers "
+        "that are not negative",
+        *bad, cell % nx, cell / nx % ny, cell / nx / ny, at % channels);
+}
+
+VolumePtr makeGridVolume(GridSamples samples, const GridSettings& settings) {
+    checkSamples(samples);
+    const Imath::V3i& n = samples.resolution;
+    if (settings.placement == GridPlacement::Nodes && std::min({n.x, n.y, n.z}) < 2)
+        throw Error("gridvolume: has {} x {} x {} samples, expected two at least along each axis", n.x, n.y,
+                    n.z);
     if (settings.placement == GridPlacement::Nodes && settings.filter != GridFilter::Trilinear)
         throw Error("gridvolume: samples on the faces of the cube are interpolated linearly alone");
     if (samples.channels == 1) return std::make_shared<GridVolume<1>>(samples, settings);

@@ -28,8 +28,10 @@ struct GridSettings {
     Transform toWorld{};  ///< from the space of the unit cube; affine
 };
 
-/// Throws Error unless all values are finite and not negative, the counts fit each other (Nodes: two samples
-/// an axis at least, trilinear), and toWorld is affine and can be inverted.
+/// Throws Error unless the counts fit each other and all values are finite and not negative.
+void checkSamples(const GridSamples& samples);
+/// Throws Error as checkSamples(), unless toWorld is affine and can be inverted, and for Nodes unless there
+/// are two samples an axis at least and the filter is trilinear.
 VolumePtr makeGridVolume(GridSamples samples, const GridSettings& settings);
 /// Bytes that a volume needs beside its samples, for who books memory.
 uint64_t gridVolumeBytes(const Imath::V3i& resolution);

@@ -252,7 +252,7 @@ TEST(GridVolume, RefusesWhatIsNoDensity) {
                 testing::HasSubstr("repeats itself"));
     EXPECT_EQ(message(good, {.toWorld = thin}), "none");
     EXPECT_THAT(message(test::randomSamples({4, 1, 4}, 1, 1), {.placement = GridPlacement::Nodes}),
-                testing::HasSubstr("1 samples along axis y, expected 2"));
+                testing::HasSubstr("4 x 1 x 4 samples, expected two at least"));
     EXPECT_THAT(message(good, {.filter = GridFilter::Nearest, .placement = GridPlacement::Nodes}),
                 testing::HasSubstr("linearly"));
 }

@@ -4,7 +4,7 @@
 #include "base/suggest.h"
 #include "image/filter.h"
 #include "integrators/registry.h"
-#include "io/mitsuba/context.h"
+#include "io/mitsuba/media.h"
 #include "io/mitsuba/spectrum_plugins.h"
 #include "io/mitsuba/values.h"
 
@@ -28,6 +28,9 @@ std::map<std::string, std::string> makeTags() {
     add("sensor", sensorTypes());
     add("film", filmTypes());
     add("shape", shapeTypes());
+    add("medium", mediumTypes());
+    add("phase", phaseTypes());
+    add("volume", volumeTypes());
     for (const auto& [name, kind] : filterNames()) tags.emplace(name, "rfilter");
     for (const IntegratorDescription& integrator : integratorList()) {
         add("integrator", {integrator.name});
@@ -42,8 +45,8 @@ const std::map<std::string, std::string>& tags() {
     return instance;
 }
 
-const std::set<std::string> kTags = {"integrator", "sensor", "film", "rfilter", "sampler",
-                                     "emitter",    "shape",  "bsdf", "texture"};
+const std::set<std::string> kTags = {"integrator", "sensor", "film",    "rfilter", "sampler", "emitter",
+                                     "shape",      "bsdf",   "texture", "medium",  "phase",   "volume"};
 
 double finite(double value) {
     if (!std::isfinite(value)) throw Error("found {}, expected a finite number", value);

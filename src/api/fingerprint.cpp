@@ -52,6 +52,11 @@ struct Fingerprint {
         add(p.channels);
         addAll(p.pixels);
     }
+    void add(const VoxelArray& v) {
+        addAll(v.resolution);
+        add(v.channels);
+        addAll(v.values);
+    }
     void add(const ElementPtr& element) {
         if (element) add(*element);
     }

@@ -88,13 +88,15 @@ Value valueOf(const Property& property) {
             if (p.isImage) return std::static_pointer_cast<const Image>(p.owner);
             return Image{{p.pixels.begin(), p.pixels.end()}, p.height, p.width, p.channels};
         }
+        Value operator()(const VoxelArray&) const { return false; }
         Value operator()(const ElementPtr&) const { return false; }
     };
     return std::visit(Convert{}, property.value);
 }
 
-/// The public Transform has an inverse.
+/// The public Transform has an inverse, and volumes are in files there.
 bool isListed(const Property& property) {
+    if (std::holds_alternative<VoxelArray>(property.value)) return false;
     const auto* map = std::get_if<core::Transform>(&property.value);
     return !(map && map->isSingular()) && !std::holds_alternative<ElementPtr>(property.value);
 }
@@ -273,6 +275,15 @@ void SceneTree::set(const std::string& path, const Value& value) {
         target.parent->children.push_back(std::move(property));
     else
         target.parent->named.emplace_back(name, std::move(property));
+}
+
+bool SceneTree::onlySensorChanged() const {
+    if (elsewhere_) return false;
+    const std::vector<Name> names = namesIn(*sensor_);
+    return std::none_of(names.begin(), names.end(), [](const Name& name) {
+        const ElementPtr* child = elementOf(*name.property);
+        return child && (*child)->tag == "medium";
+    });
 }
 
 ParsedScene SceneTree::finish() {

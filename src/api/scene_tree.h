@@ -24,8 +24,9 @@ class SceneTree {
     /// Replaces what is at the path, or adds to the element that all of the path but its last name leads to.
     /// Throws Error.
     void set(const std::string& path, const Value& value);
-    /// Whether all that was set is in the sensor (its film included).
-    bool onlySensorChanged() const { return !elsewhere_; }
+    /// Whether all that was set is in the sensor (its film included), so that a view of the scene will do:
+    /// not where the sensor is in a medium, which is among the scene's. After finish().
+    bool onlySensorChanged() const;
     bool filmChanged() const { return film_; }
     const std::shared_ptr<mitsuba::Element>& sensor() const { return sensor_; }
     /// The result, references linked. To be called once. Throws Error.

@@ -52,7 +52,7 @@ std::string countsText(const std::map<std::string, size_t>& counts) {
 }
 
 struct Census {
-    std::map<std::string, size_t> shapes, bsdfs, lights;
+    std::map<std::string, size_t> shapes, bsdfs, lights, media;
     size_t primitives = 0;
     std::set<const Bsdf*> seen;
 
@@ -71,6 +71,7 @@ Census census(const SceneParts& parts) {
     for (const auto& [group, count] : uses)
         for (const ShapePtr& shape : group->shapes) result.add(*shape, count);
     for (const LightPtr& light : parts.lights) ++result.lights[kindOf(*light)];
+    for (const MediumPtr& medium : parts.media) ++result.media[kindOf(*medium)];
     return result;
 }
 
@@ -115,6 +116,7 @@ void print(const SceneParts& parts, const Census& counts, const SceneBounds* bou
     if (!parts.instances.empty()) fmt::print("instances   {}\n", parts.instances.size());
     fmt::print("bsdfs       {}\n", countsText(counts.bsdfs));
     fmt::print("lights      {}\n", countsText(counts.lights));
+    if (!counts.media.empty()) fmt::print("media       {}\n", countsText(counts.media));
     if (bounds)
         fmt::print("bounds      sphere of radius {:.4g} around {}\n", bounds->radius,
                    placeText(bounds->center, parts));
@@ -135,6 +137,7 @@ void printJson(const SceneParts& parts, const Census& counts, const SceneBounds*
                              {"instances", parts.instances.size()},
                              {"bsdfs", counts.bsdfs},
                              {"lights", counts.lights},
+                             {"media", counts.media},
                              {"warnings", parts.warnings}};
     if (parts.camera) {
         const FilmWindow& w = parts.camera->window();

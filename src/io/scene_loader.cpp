@@ -2,6 +2,7 @@
 
 #include "io/gltf/scene.h"
 #include "io/mitsuba/context.h"
+#include "io/mitsuba/media.h"
 #include "io/mitsuba/parser.h"
 #include "io/mitsuba/repetitions.h"
 #include "io/mitsuba/world_origin.h"
@@ -37,7 +38,7 @@ class Loader {
   public:
     Loader(ParsedScene parsed, const LoadOptions& options, const MemoryBudget& memory, const Vec3d& origin)
         : scene_(std::move(parsed)), context_(contextOf(options, memory, scene_.searchPaths)) {
-        context_.origin = parts_.origin = origin;
+        context_.origin = context_.sceneOrigin = parts_.origin = origin;
         isFragment_ = options.fragment;
         chosenSensor_ = options.sensor;
         context_.warnings = std::move(scene_.warnings);
@@ -52,7 +53,7 @@ class Loader {
 
     /// What the camera was made from; after run().
     SensorSource sensorSource() const {
-        return {sensor_, context_.searchPaths, context_.lenient, context_.origin};
+        return {sensor_, context_.searchPaths, context_.lenient, context_.origin, context_.mediumIndices};
     }
 
     SceneParts run(const std::string& source) {
@@ -64,6 +65,7 @@ class Loader {
         checkLights();
         unused();
         parts_.source = source;
+        parts_.media = std::move(context_.media);
         parts_.warnings = withRepetitionsCounted(context_.warnings);
         return std::move(parts_);
     }
@@ -158,6 +160,18 @@ class Loader {
         for (const ElementPtr& element : scene_.root->childrenOf("texture"))
             if (!scene_.referenced.contains(element.get()))
                 build(*element, [&] { makeTexture(*element, context_); });
+        for (const ElementPtr& element : scene_.root->childrenOf("volume"))
+            if (!scene_.referenced.contains(element.get()))
+                build(*element, [&] { makeVolume(*element, context_); });
+        for (const ElementPtr& element : scene_.root->childrenOf("phase"))
+            if (!scene_.referenced.contains(element.get()))
+                build(*element, [&] { makePhase(*element, context_); });
+        for (const ElementPtr& element : scene_.root->childrenOf("medium")) {
+            if (context_.mediumIndices.contains(element.get())) continue;
+            build(*element, [&] { makeMedium(*element, context_); });
+            context_.warn(*element,
+                          "no shape, sensor or emitter that is used refers to it: it has no effect");
+        }
         for (const char* tag : {"film", "rfilter", "sampler"})
             for (const ElementPtr& element : scene_.root->childrenOf(tag))
                 if (!scene_.referenced.contains(element.get())) misplaced(*element);
@@ -233,7 +247,9 @@ ElementPtr copyOf(const Element& element) {
     auto result = std::make_shared<Element>(element);
     const auto renew = [](Property& property) {
         property.used = false;
-        if (ElementPtr* child = std::get_if<ElementPtr>(&property.value); child && *child)
+        // What the scene has made of a medium is found by its element.
+        if (ElementPtr* child = std::get_if<ElementPtr>(&property.value);
+            child && *child && (*child)->tag != "medium")
             *child = copyOf(**child);
     };
     for (auto& entry : result->named) renew(entry.second);
@@ -296,10 +312,14 @@ SceneView makeView(const SensorSource& source, const LoadOptions& options,
                    std::vector<std::string>& warnings) {
     LoadContext context = contextOf(options, memoryFor(options), source.searchPaths);
     context.lenient = source.lenient;
-    context.origin = source.origin;
+    context.origin = context.sceneOrigin = source.origin;
+    context.mediumIndices = source.media;
     SceneParts film;
     const ElementPtr element = copyOf(*source.element);
     CameraPtr camera = makeCamera(*element, context, film);
+    if (!context.media.empty())
+        throw element->error(
+            "found a medium that is not one of the scene's, expected a view of what is there");
     overrideFilter(film, options);
     warnings = std::move(context.warnings);
     return {std::move(camera), {}, film.filterKind, film.filter};

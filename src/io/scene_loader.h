@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace metrolux::core {
@@ -31,7 +32,8 @@ struct SensorSource {
     mitsuba::ElementPtr element;
     std::vector<std::filesystem::path> searchPaths;
     bool lenient = false;
-    Vec3d origin{0.0};  ///< SceneParts::origin
+    Vec3d origin{0.0};                                               ///< SceneParts::origin
+    std::unordered_map<const mitsuba::Element*, MediumIndex> media;  ///< of the scene, by element
 };
 
 /// What `strict` does with the warnings so far: throws the first as an Error.

@@ -146,8 +146,8 @@ ElementPtr Materials::surface(const Node& material, bool colored) {
     const Node transmission = material.extension(kTransmission), volume = material.extension(kVolume);
     const double transmitted = transmission.number("transmissionFactor", 0);
     const bool isThin = transmitted > 0 && !(volume.number("thicknessFactor", 0) > 0);
-    if (volume.has("attenuationDistance"))
-        warn(material, "KHR_materials_volume absorbs nothing here: media are not supported");
+    if (isThin && volume.has("attenuationDistance"))
+        warn(material, "KHR_materials_volume absorbs nothing where \"thicknessFactor\" is zero");
     if (isThin && metallic > 0 && !pbr.has("metallicRoughnessTexture"))
         warn(material, "a thin surface that transmits has no metallic part: it is left out");
 
@@ -226,6 +226,36 @@ ElementPtr Materials::masked(const Node& material, ElementPtr nested) {
     else
         result.with("opacity", static_cast<double>(opacity(1)));
     return result.containing(std::move(nested)).done();
+}
+
+ElementPtr Materials::interior(int64_t index) {
+    if (index < 0) return nullptr;
+    const auto [entry, isNew] = interiors_.try_emplace(index);
+    if (!isNew) return entry->second;
+    const Node material = node(index), volume = material.extension(kVolume);
+    const bool transmits = material.extension(kTransmission).number("transmissionFactor", 0) > 0;
+    if (!transmits || !(volume.number("thicknessFactor", 0) > 0) || !volume.has("attenuationDistance"))
+        return nullptr;
+    const double distance = volume.number("attenuationDistance", 0);
+    if (!(distance > 0))
+        throw volume.error(
+            fmt::format("found \"attenuationDistance\" {}, expected more than zero", distance));
+    const auto passing = volume.numbers("attenuationColor", {1, 1, 1});
+    Rgb extinction;
+    for (size_t c = 0; c < 3; ++c) {
+        if (!(passing[c] >= 0 && passing[c] <= 1))
+            throw volume.error(
+                fmt::format("found \"attenuationColor\" with {}, expected numbers in [0, 1]", passing[c]));
+        constexpr double kBlack = 1e-6;  // nothing is without any light
+        extinction[static_cast<int>(c)] =
+            static_cast<float>(-std::log(std::max(passing[c], kBlack)) / distance);
+    }
+    if (isBlack(extinction)) return nullptr;
+    entry->second = Maker("medium", "homogeneous", locationOf(material))
+                        .with("sigma_t", RgbValue{extinction})
+                        .with("albedo", 0.0)
+                        .done();
+    return entry->second;
 }
 
 ElementPtr Materials::emitter(int64_t index) {

@@ -15,6 +15,8 @@ class Materials {
     mitsuba::ElementPtr bsdf(int64_t material, bool colored);
     /// Null for one that does not emit.
     mitsuba::ElementPtr emitter(int64_t material);
+    /// What absorbs in a body of this material, null for nothing. Made once.
+    mitsuba::ElementPtr interior(int64_t material);
     /// Of the base color; one where vertices carry it.
     Rgb baseColorFactor(int64_t material) const;
 
@@ -37,6 +39,7 @@ class Materials {
     MemoryBudget& memory_;
     std::vector<std::string>& warnings_;
     std::map<std::pair<int64_t, bool>, mitsuba::ElementPtr> bsdfs_;
+    std::map<int64_t, mitsuba::ElementPtr> interiors_;
     std::map<std::pair<size_t, bool>, ImageData> images_;
 };
 

@@ -27,7 +27,7 @@ const std::vector<std::string> kExtensions = {
 /// A mesh of the file, as shapes without a place.
 struct Part {
     MeshArrays arrays;
-    ElementPtr bsdf, emitter;
+    ElementPtr bsdf, emitter, interior;
     bool flat = false;  ///< without normals
     Location location;
     Box box;
@@ -188,6 +188,7 @@ class Builder {
             .with("to_world", map)
             .containing(part.bsdf)
             .containing(part.emitter);
+        if (part.interior) shape.with("interior", part.interior);
         if (part.flat) shape.with("face_normals", true);
         return shape.done();
     }
@@ -242,6 +243,7 @@ class Builder {
         part.flat = data->normals.empty();
         part.bsdf = materials_.bsdf(material, !data->colors.empty());
         part.emitter = materials_.emitter(material);
+        part.interior = materials_.interior(material);
         part.box = {Vec3d(0.0), Vec3d(0.0)};
         for (size_t v = 0; v < vertices; ++v)
             for (int axis = 0; axis < 3; ++axis) {

@@ -13,6 +13,7 @@
 #include "scene/scene.h"
 
 #include <filesystem>
+#include <optional>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -35,10 +36,14 @@ struct LoadContext {
     /// Where the origin of what is being built lies, in the coordinates of the file: those of the scene, or
     /// of the shapegroup within which shapes are built (world_origin.h).
     Vec3d origin{0.0};
+    Vec3d sceneOrigin{0.0};                           ///< the same of the scene, wherever shapes are built
     MemoryBudget memory = MemoryBudget::unlimited();  ///< what meshes, images and instances are booked on
     std::vector<std::string> warnings;
     /// Built objects by element, so that a shared <ref> is built once.
     std::unordered_map<const Element*, std::shared_ptr<const void>> built;
+
+    std::vector<MediumPtr> media;  ///< of the scene, in the order of SceneParts::media
+    std::unordered_map<const Element*, MediumIndex> mediumIndices;  ///< 0: left out
 
     /// Mesh attributes that the textures in an element read.
     std::unordered_map<const Element*, std::vector<std::string>> attributesRead;
@@ -58,6 +63,18 @@ struct LoadContext {
         warnings.emplace_back(element.error(message).what());
     }
 };
+
+/// Lets errors that do not know where they are about name the element.
+template <class Make>
+auto withLocation(const Element& element, Make&& make) {
+    try {
+        return make();
+    } catch (const Error& error) {
+        const std::string message = error.what();
+        if (message.starts_with(element.location.file + ":")) throw;
+        throw element.error(message);
+    }
+}
 
 // One factory for each tag. An unknown type is an Error with the nearest known type (or, when lenient, a
 // warning and a stand-in). Each calls element.checkAllUsed at its end.
@@ -83,6 +100,9 @@ std::vector<std::string> sensorTypes();
 std::vector<std::string> filmTypes();
 std::vector<std::string> shapeTypes();
 
+/// The color of a number, <rgb> or <spectrum>, or nothing when the property is an element. Throws Error.
+std::optional<Rgb> constantColor(const Element& element, const Property& property,
+                                 Rgb (*convert)(const SpectrumValue&));
 /// A property that may be a number, a color, a spectrum or a texture: reflectance-like, converted as such.
 TexturePtr textureProperty(const Element& element, const std::string& name, LoadContext& context,
                            const Rgb& fallback);

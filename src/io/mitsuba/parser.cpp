@@ -22,9 +22,9 @@ constexpr uint64_t kMaxTextBytes = uint64_t{1} << 30;  // of all of them
 constexpr uint64_t kElementBytes = 1024;               // allowance for what is kept of one
 constexpr size_t kMaxProperties = 4096;                // of one element: names are compared one by one
 
-const std::vector<std::string> kObjectTags = {"integrator", "sensor", "film", "rfilter", "sampler",
-                                              "emitter",    "shape",  "bsdf", "texture"};
-const std::vector<std::string> kMediumTags = {"medium", "phase", "volume", "subsurface"};
+const std::vector<std::string> kObjectTags = {"integrator", "sensor",  "film",  "rfilter",
+                                              "sampler",    "emitter", "shape", "bsdf",
+                                              "texture",    "medium",  "phase", "volume"};
 const std::vector<std::string> kOtherTags = {
     "scene",  "default", "include", "path",     "alias",     "ref",   "integer", "float",     "boolean",
     "string", "rgb",     "srgb",    "spectrum", "blackbody", "point", "vector",  "transform", "animation"};
@@ -143,8 +143,10 @@ class Parser {
             object(file, node, parent, "", depth + 1);
             return;
         }
-        if (contains(kMediumTags, tag)) {
-            const Error error = nodeError(file.source, node, "participating media are not supported");
+        if (tag == "subsurface") {
+            const Error error = nodeError(file.source, node,
+                                          "approximations of subsurface scattering are not supported, "
+                                          "expected a medium inside of the shape");
             if (!lenient_) throw error;
             warnings_.push_back(std::string(error.what()) + "; left out");
             return;

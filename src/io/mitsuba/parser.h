@@ -22,7 +22,7 @@ struct ParsedScene {
     std::vector<std::string> warnings;
 };
 
-/// Throws Error. When lenient, a missing or unknown version and participating media are warnings. The
+/// Throws Error. When lenient, a missing or unknown version and <subsurface> are warnings. The
 /// elements are booked on `memory`, if given.
 ParsedScene parseScene(const std::filesystem::path& file, const std::map<std::string, std::string>& defines,
                        bool lenient = false, MemoryBudget* memory = nullptr);

@@ -4,6 +4,7 @@
 #include "io/ies_file.h"
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/field_of_view.h"
+#include "io/mitsuba/media.h"
 #include "io/mitsuba/plugins_sunsky.h"
 #include "io/mitsuba/unknown_plugins.h"
 
@@ -16,18 +17,6 @@ namespace {
 const std::vector<std::string> kEmitterTypes = {"point",  "spot",      "directional", "constant",
                                                 "envmap", "projector", "collimated",  "sunsky",
                                                 "sky",    "sun",       "goniometric", "area"};
-
-/// Re-throws what the library says about parameters with the place in the scene.
-template <class Make>
-LightPtr located(const Element& element, Make&& make) {
-    try {
-        return make();
-    } catch (const Error& problem) {
-        const std::string message = problem.what();
-        if (message.starts_with(element.location.file)) throw;
-        throw element.error(message);
-    }
-}
 
 /// An emission that may not vary in space.
 Rgb emissionColor(const Element& element, const std::string& name, LoadContext& context,
@@ -190,7 +179,9 @@ LightPtr makeLight(const Element& element, LoadContext& context) {
         return nullptr;
     }
     readSamplingWeight(element, context);
-    LightPtr light = located(element, [&] { return make(element, context); });
+    LightPtr light = withLocation(element, [&] { return make(element, context); });
+    const std::optional<MediumIndex> medium = mediumOf(element, context);
+    if (light) light->medium = medium;  // the sun may be below the horizon
     element.checkAllUsed(context.lenient, context.warnings);
     return light;
 }
@@ -206,10 +197,11 @@ LightPtr makeAreaLight(const Element& element, const Shape& shape, LoadContext& 
         return nullptr;
     }
     readSamplingWeight(element, context);
-    LightPtr light = located(element, [&] {
+    LightPtr light = withLocation(element, [&] {
         return metrolux::core::makeAreaLight(
             {&shape, emissionProperty(element, "radiance", context, Rgb(1.0f))});
     });
+    light->medium = mediumOf(element, context);
     element.checkAllUsed(context.lenient, context.warnings);
     return light;
 }

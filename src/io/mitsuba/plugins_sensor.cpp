@@ -1,6 +1,7 @@
 #include "endpoint/wide_cameras.h"
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/field_of_view.h"
+#include "io/mitsuba/media.h"
 #include "io/mitsuba/unknown_plugins.h"
 #include "io/mitsuba/world_origin.h"
 
@@ -266,6 +267,7 @@ CameraPtr makeCamera(const Element& element, LoadContext& context, SceneParts& p
     }
     const Vec3d position = Vec3d(camera->position()) + context.origin;
     requirePlaceable(element, position, position);
+    camera->medium = mediumOf(element, context);
     element.checkAllUsed(context.lenient, context.warnings);
     return camera;
 }

@@ -5,10 +5,12 @@
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/curves.h"
 #include "io/mitsuba/heightfield.h"
+#include "io/mitsuba/media.h"
 #include "io/mitsuba/mesh_attributes.h"
 #include "io/mitsuba/unknown_plugins.h"
 #include "io/mitsuba/world_origin.h"
 #include "scattering/diffuse.h"
+#include "scattering/null_bsdf.h"
 #include "scattering/textures/constant.h"
 
 #include <algorithm>
@@ -135,18 +137,6 @@ ElementPtr onlyChild(const Element& element, const char* tag) {
     return children.empty() ? nullptr : children.front();
 }
 
-/// Lets errors of geometry/ and of the mesh readers name the element.
-template <class Make>
-auto withLocation(const Element& element, Make&& make) {
-    try {
-        return make();
-    } catch (const Error& error) {
-        const std::string message = error.what();
-        if (message.starts_with(element.location.file + ":")) throw;
-        throw element.error(message);
-    }
-}
-
 /// A shape and the element of its BSDF, null for none.
 struct ShapePart {
     ShapePtr shape;
@@ -212,6 +202,15 @@ LightPtr attachLight(const Element& element, const Element& emitter, Shape& shap
     return makeAreaLight(emitter, shape, context);
 }
 
+/// As in Mitsuba, a light without a BSDF does not reflect, and in 0.6 other boundaries of media have null.
+BsdfPtr usualBsdf(const Element& element, const std::optional<MediumSides>& media, const ElementPtr& emitter,
+                  LoadContext& context) {
+    if (media && !emitter && element.isLegacy()) return makeNullBsdf();
+    if (media && !emitter)
+        context.warn(element, "bounds a medium and has no BSDF: it is a diffuse surface, as in Mitsuba 3");
+    return makeDiffuse({makeConstantTexture(Rgb(emitter ? 0.0f : 0.5f))});
+}
+
 /// The shapes of a plain plugin with their materials and lights; none if the type is unknown and that is let
 /// pass.
 std::vector<ShapePtr> makeShapes(const Element& element, LoadContext& context,
@@ -222,8 +221,7 @@ std::vector<ShapePtr> makeShapes(const Element& element, LoadContext& context,
         context.warn(element, "\"to_world\" flattens the shape to a line or a point: it is left out");
         return {};
     }
-    if (!element.childrenOf("medium").empty())
-        throw element.error("participating media (interior, exterior) are not supported");
+    const std::optional<MediumSides> media = mediumSidesOf(element, context);
 
     const std::vector<ShapePart> parts = withLocation(element, [&] {
         context.memory.take(kShapeBytes, "the shape");
@@ -237,10 +235,13 @@ std::vector<ShapePtr> makeShapes(const Element& element, LoadContext& context,
         requirePlaceable(element, box.lower + context.origin, box.upper + context.origin);
         shape.id =
             element.id.empty() ? fmt::format("{} at {}", element.type, element.location.str()) : element.id;
-        // As in Mitsuba, a light without a BSDF does not reflect.
-        shape.bsdf = part.bsdf ? makeBsdf(*part.bsdf, context)
-                               : makeDiffuse({makeConstantTexture(Rgb(emitter ? 0.0f : 0.5f))});
+        shape.bsdf = part.bsdf ? makeBsdf(*part.bsdf, context) : usualBsdf(element, media, emitter, context);
         if (part.bsdf) checkAttributes(*part.bsdf, shape, context);
+        shape.media = media;
+        if (media && emitter && part.bsdf && part.bsdf->type == "null")
+            throw element.error(
+                "the boundary of a medium emits and has the BSDF null, expected one of the two: light passes "
+                "such a boundary without a vertex");
         if (emitter) {
             checkAttributes(*emitter, shape, context);
             if (LightPtr light = attachLight(element, *emitter, shape, context)) {

@@ -1,6 +1,7 @@
 /// Textures, and the properties that may be a value or a texture.
 
 #include "image/image_io.h"
+#include "io/mitsuba/choice.h"
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/spectrum.h"
 #include "io/mitsuba/spectrum_plugins.h"
@@ -21,20 +22,6 @@ UvTransform uvTransform(const Element& element) {
     const Transform t = element.transform("to_uv", true);
     const auto at = [&](int row, int column) { return static_cast<float>(t.at(row, column)); };
     return {{{at(0, 0), at(0, 1), at(0, 3)}, {at(1, 0), at(1, 1), at(1, 3)}}};
-}
-
-/// The value of a string property out of a list.
-template <class T>
-T choice(const Element& element, const std::string& name,
-         const std::vector<std::pair<std::string, T>>& choices) {
-    const std::string found = element.string(name, choices.front().first);
-    std::string known;
-    for (const auto& [text, value] : choices) {
-        if (found == text) return value;
-        known += (known.empty() ? "" : ", ") + text;
-    }
-    const Property* property = element.find(name);
-    throw element.error(*property, fmt::format("found \"{}\", expected one of: {}", found, known));
 }
 
 /// The one channel of an image that the parameter `channel` of 0.6 names.
@@ -125,18 +112,6 @@ TexturePtr rawConstant(const Element& element) {
     return makeConstantTexture(Rgb(element.number("value", 0)));
 }
 
-/// The color of a number, <rgb> or <spectrum>, or nothing when the property is an element.
-std::optional<Rgb> constantColor(const Element& element, const Property& property,
-                                 Rgb (*convert)(const SpectrumValue&)) {
-    property.used = true;
-    if (const double* v = std::get_if<double>(&property.value)) return Rgb(static_cast<float>(*v));
-    if (const int64_t* v = std::get_if<int64_t>(&property.value)) return Rgb(static_cast<float>(*v));
-    if (const RgbValue* v = std::get_if<RgbValue>(&property.value)) return v->value;
-    if (const SpectrumValue* v = std::get_if<SpectrumValue>(&property.value)) return convert(*v);
-    if (std::holds_alternative<ElementPtr>(property.value)) return std::nullopt;
-    throw element.error(property, "expected a number, an <rgb>, a <spectrum> or a <texture>");
-}
-
 TexturePtr nestedTexture(const Element& element, const Property& property, LoadContext& context,
                          bool emission) {
     const ElementPtr& child = std::get<ElementPtr>(property.value);
@@ -193,6 +168,17 @@ std::vector<std::string> knownTypes() {
 }
 
 }  // namespace
+
+std::optional<Rgb> constantColor(const Element& element, const Property& property,
+                                 Rgb (*convert)(const SpectrumValue&)) {
+    property.used = true;
+    if (const double* v = std::get_if<double>(&property.value)) return Rgb(static_cast<float>(*v));
+    if (const int64_t* v = std::get_if<int64_t>(&property.value)) return Rgb(static_cast<float>(*v));
+    if (const RgbValue* v = std::get_if<RgbValue>(&property.value)) return v->value;
+    if (const SpectrumValue* v = std::get_if<SpectrumValue>(&property.value)) return convert(*v);
+    if (std::holds_alternative<ElementPtr>(property.value)) return std::nullopt;
+    throw element.error(property, "expected a number, an <rgb>, a <spectrum> or a <texture>");
+}
 
 TexturePtr makeTexture(const Element& element, LoadContext& context, bool emission) {
     if (const auto found = context.built.find(&element); found != context.built.end())

@@ -27,6 +27,7 @@ std::string describe(const Property& property) {
         std::string operator()(const SpectrumValue&) const { return "a spectrum"; }
         std::string operator()(const MeshArrays&) const { return "the arrays of a mesh"; }
         std::string operator()(const PixelArray&) const { return "the pixels of an image"; }
+        std::string operator()(const VoxelArray&) const { return "the samples of a volume"; }
         std::string operator()(const ElementPtr& v) const {
             return v ? fmt::format("a <{} type=\"{}\">", v->tag, v->type) : std::string("nothing");
         }
@@ -123,6 +124,10 @@ const MeshArrays& Element::requiredArrays(const std::string& name) const {
 
 const PixelArray* Element::pixels(const std::string& name) const {
     return typed<PixelArray>(*this, find(name), "the pixels of an image");
+}
+
+const VoxelArray* Element::voxels(const std::string& name) const {
+    return typed<VoxelArray>(*this, find(name), "the samples of a volume");
 }
 
 ElementPtr Element::child(const std::string& name) const {

@@ -9,6 +9,7 @@
 #include "base/suggest.h"
 #include "base/transform.h"
 
+#include <array>
 #include <functional>
 #include <map>
 #include <memory>
@@ -71,9 +72,17 @@ struct PixelArray {
     bool isImage = false;  ///< the owner is a metrolux::Image
 };
 
+/// The samples of a volume that is in no file of its own, as their owner keeps them (GridSamples).
+struct VoxelArray {
+    std::array<int, 3> resolution{};
+    int channels = 0;
+    std::span<const float> values;
+    std::shared_ptr<const void> owner;
+};
+
 struct Property {
     std::variant<bool, int64_t, double, std::string, Vec3d, Transform, RgbValue, SpectrumValue, ElementPtr,
-                 MeshArrays, PixelArray>
+                 MeshArrays, PixelArray, VoxelArray>
         value;
     Location location;
     mutable bool used = false;
@@ -115,6 +124,8 @@ class Element {
     const MeshArrays& requiredArrays(const std::string& name) const;
     /// Null if absent.
     const PixelArray* pixels(const std::string& name) const;
+    /// The same.
+    const VoxelArray* voxels(const std::string& name) const;
     /// A nested or referenced element under this name, or null.
     ElementPtr child(const std::string& name) const;
     /// All elements with the tag ("bsdf", "emitter", ...), named or not, in order of appearance; marked used.

@@ -109,7 +109,7 @@ void References::checkParts(const Graph& below, const std::vector<size_t>& sorte
     std::vector<uint64_t> parts(elements_.size(), 1);
     for (auto i = sorted.rbegin(); i != sorted.rend(); ++i) {
         const Element& element = *elements_[*i];
-        if (element.tag != "bsdf" && element.tag != "texture") continue;
+        if (element.tag != "bsdf" && element.tag != "texture" && element.tag != "phase") continue;
         for (const size_t child : below[*i]) parts[*i] += parts[child];
         if (parts[*i] > kMaxParts)
             throw element.error(

@@ -12,8 +12,8 @@ namespace metrolux::core::mitsuba {
 
 /// Elements inside elements, references followed: what a plugin's factory may have to recurse.
 inline constexpr int kMaxDepth = 256;
-/// Parts of one BSDF or texture, each counted as often as it is referred to: evaluation visits them all, and
-/// 60 blends of two references to the next would be 2^60.
+/// Parts of one BSDF, texture or phase function, each counted as often as it is referred to: evaluation
+/// visits them all, and 60 blends of two references to the next would be 2^60.
 inline constexpr uint64_t kMaxParts = 4096;
 
 class References {
@@ -25,8 +25,8 @@ class References {
     void addReference(Element& parent, int order, const std::string& name, const std::string& id,
                       const Location& location);
     void addAlias(const std::string& id, const std::string& as, const Location& location);
-    /// Links all references. Throws Error for an unknown id, a cycle, more than kMaxDepth levels, and a BSDF
-    /// or texture of more than kMaxParts parts.
+    /// Links all references. Throws Error for an unknown id, a cycle, more than kMaxDepth levels, and a
+    /// BSDF, texture or phase function of more than kMaxParts parts.
     void resolve();
     const std::set<const Element*>& referenced() const { return referenced_; }
 

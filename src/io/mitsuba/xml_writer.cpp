@@ -94,6 +94,30 @@ std::string exrOf(const PixelArray& pixels) {
     return encodeExr(image);
 }
 
+std::string volOf(const VoxelArray& voxels) {
+    constexpr uint8_t kVersion = 3;
+    constexpr int32_t kFloats = 1;
+    std::string bytes = "VOL";
+    append(bytes, kVersion);
+    append(bytes, kFloats);
+    for (const int n : voxels.resolution) append(bytes, static_cast<int32_t>(n));
+    append(bytes, static_cast<int32_t>(voxels.channels));
+    for (const float bound : {0.0f, 0.0f, 0.0f, 1.0f, 1.0f, 1.0f}) append(bytes, bound);
+    for (const float value : voxels.values) append(bytes, value);
+    return bytes;
+}
+
+/// What keeps the arrays of a value, null for other values.
+struct OwnerOf {
+    template <class T>
+    const void* operator()(const T& value) const {
+        if constexpr (requires { value.owner; })
+            return value.owner.get();
+        else
+            return nullptr;
+    }
+};
+
 class Writer {
   public:
     Writer(const ParsedScene& scene, const fs::path& file)
@@ -201,10 +225,7 @@ class Writer {
                            escaped(fmt::format("{}/{}", folder_, name)));
     }
     std::string newFile(const Property& property, const char* extension, std::string bytes) {
-        const void* const owner = std::holds_alternative<MeshArrays>(property.value)
-                                      ? std::get<MeshArrays>(property.value).owner.get()
-                                      : std::get<PixelArray>(property.value).owner.get();
-        const auto [entry, isNew] = names_.try_emplace(owner);
+        const auto [entry, isNew] = names_.try_emplace(std::visit(OwnerOf{}, property.value));
         if (isNew) {
             entry->second = fmt::format("{:04}.{}", names_.size(), extension);
             files_.emplace_back(entry->second, std::move(bytes));
@@ -274,6 +295,9 @@ class Writer {
             }
             std::string operator()(const PixelArray& pixels) const {
                 return writer.fileProperty(writer.newFile(property, "exr", exrOf(pixels)));
+            }
+            std::string operator()(const VoxelArray& voxels) const {
+                return writer.fileProperty(writer.newFile(property, "vol", volOf(voxels)));
             }
             std::string operator()(const ElementPtr&) const { return {}; }
         };

@@ -5,6 +5,7 @@
 #include "io/pbrt/lights.h"
 #include "io/pbrt/maps.h"
 #include "io/pbrt/materials.h"
+#include "io/pbrt/media.h"
 #include "io/pbrt/shapes.h"
 #include "io/pbrt/view.h"
 
@@ -34,6 +35,8 @@ struct State {
     std::optional<AreaLight> light;
     std::map<std::string, std::vector<Parameter>> defaults;  ///< of Attribute, by target
     ColorSpace space;
+    MediumNames media;
+    Location mediaWhere;  ///< of MediumInterface
 };
 
 class SceneReader {
@@ -43,6 +46,7 @@ class SceneReader {
           lexer_(file, memory),
           textures_(reading_),
           materials_(reading_, textures_),
+          media_(reading_),
           scene_("scene", "", {file.string(), 0, ""}) {
         reading_.folder = file.parent_path();
         state_.material = std::make_shared<Materials::Definition>(
@@ -181,6 +185,7 @@ class SceneReader {
     void camera(const Token& t) {
         view_.camera = typed(t);
         view_.cameraToWorld = t.located([&] { return state_.place.map.inverse(); });
+        cameraMedium_ = exterior();
         maps_.name("camera", view_.cameraToWorld);
     }
     void film(const Token& t) { view_.film = typed(t); }
@@ -209,7 +214,7 @@ class SceneReader {
         given(view_.integrator, "Integrator");
         exposure_ = view_.exposure();
         scene_.containing(view_.integratorElement(reading_));
-        if (view_.camera.isGiven) scene_.containing(view_.sensor(reading_));
+        if (view_.camera.isGiven) scene_.containing(placedIn(view_.sensor(reading_), cameraMedium_));
     }
 
     // In the world.
@@ -240,24 +245,23 @@ class SceneReader {
     }
     void makeNamedMedium(const Token& t) {
         const std::string name = lexer_.text(t);
-        parameters(t, "MakeNamedMedium", "medium");
-        reading_.refuse(t.error(fmt::format(
-                            "the medium \"{}\": participating media of pbrt scenes are not supported", name)),
-                        "it is left out");
+        reading_.memory.take(kObjectBytes, "a medium");
+        media_.define(name, parameters(t, fmt::format("MakeNamedMedium \"{}\"", name), "medium"),
+                      settledMap(state_.place.map), state_.space);
     }
     void mediumInterface(const Token& t) {
-        std::string names = lexer_.text(t);
-        if (lexer_.peek().kind == Kind::String) names += lexer_.text(t);
-        if (!names.empty())
-            reading_.refuse(t.error("MediumInterface: participating media of pbrt scenes are not supported"),
-                            "it has no effect");
+        state_.media.interior = state_.media.exterior = lexer_.text(t);
+        if (lexer_.peek().kind == Kind::String) state_.media.exterior = lexer_.text(t);
+        state_.mediaWhere = t.where();
     }
+    ElementPtr exterior() const { return media_.find(state_.media.exterior, state_.mediaWhere); }
     void lightSource(const Token& t) {
         requireWorld(t);
         const TypedDirective d = typed(t, "light");
         reading_.memory.take(kObjectBytes, "a light");
         scene_.containing(
-            makeLight(d.type, d.parameters, state_.place.map, state_.space, exposure_, reading_));
+            placedIn(makeLight(d.type, d.parameters, state_.place.map, state_.space, exposure_, reading_),
+                     exterior()));
     }
     void areaLightSource(const Token& t) {
         requireWorld(t);
@@ -281,8 +285,11 @@ class SceneReader {
                                    isTextured(*bsdf) || (light && !light->radiance.isConstant()),
                                    light && light->power > 0};
         const Transform map = settledMap(state_.place.map);
+        bool isBack = false;  // of what emits to both sides
         for (ShapePart& part : makeShape(d.type, d.parameters, map, options, reading_)) {
             reading_.memory.take(kObjectBytes, "a shape");
+            addMedia(part, isBack);
+            isBack = options.withBack;
             part.made.containing(bsdf);
             if (light) part.made.containing(light->emitter(part.area, part.triangles, reading_.memory));
             if (group_) {
@@ -293,6 +300,15 @@ class SceneReader {
             }
         }
         d.parameters.checkAllUsed(reading_);
+    }
+    /// A surface with the same on both sides is no boundary, as in pbrt.
+    void addMedia(ShapePart& part, bool isBack) const {
+        if (state_.media.interior == state_.media.exterior) return;
+        const ElementPtr inside = media_.find(state_.media.interior, state_.mediaWhere), outside = exterior();
+        // A back is turned around, and its front has let nothing of the exterior in.
+        if (inside) part.made.with(isBack ? "exterior" : "interior", inside);
+        if (isBack && inside) part.made.with("interior", inside);
+        if (outside && !isBack) part.made.with("exterior", outside);
     }
     /// Whether it shows how uv lie on its surface.
     static bool isTextured(const Element& element) {
@@ -326,6 +342,8 @@ class SceneReader {
     Lexer lexer_;
     Textures textures_;
     Materials materials_;
+    Media media_;
+    ElementPtr cameraMedium_;
     Maker scene_;
     State state_;
     std::vector<Block> open_;

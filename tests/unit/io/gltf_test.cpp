@@ -166,6 +166,39 @@ TEST(Gltf, transmissionLosesNothing) {
     expectGray(seen(body), 1);
 }
 
+TEST(Gltf, bodiesAbsorb) {
+    const auto made = [](const Json& volume) {
+        GltfMaker maker;
+        Json material{{"extensions", {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}}}};
+        material["extensions"]["KHR_materials_volume"] = volume;
+        const size_t mesh = maker.quad(material);
+        maker.node({{"mesh", mesh}});
+        maker.camera();
+        return loaded(maker);
+    };
+    const Json glass{
+        {"thicknessFactor", 1}, {"attenuationDistance", 2}, {"attenuationColor", {1, 0.5, 0.25}}};
+    const SceneParts parts = made(glass);
+    ASSERT_EQ(parts.media.size(), 1u);
+    EXPECT_EQ(parts.shapes.at(0)->media.value().interior, 1);
+    EXPECT_EQ(parts.shapes.at(0)->media.value().exterior, 0);
+    const Rgb passed = parts.media[0]->thickness(Vec3f(0.0f), {0, 0, 1}, 2);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(std::exp(-passed[c]), (Rgb(1, 0.5f, 0.25f)[c]), 1e-6);
+    EXPECT_FALSE(parts.media[0]->scatters());
+    // Without a thickness, a distance or a color nothing is absorbed.
+    for (const char* without : {"thicknessFactor", "attenuationDistance", "attenuationColor"}) {
+        Json volume = glass;
+        volume.erase(without);
+        EXPECT_TRUE(made(volume).media.empty()) << without;
+    }
+    Json bad = glass;
+    bad["attenuationDistance"] = 0;
+    EXPECT_THAT(errorOf([&] { made(bad); }), HasSubstr("attenuationDistance"));
+    bad = glass;
+    bad["attenuationColor"] = {2, 0, 0};
+    EXPECT_THAT(errorOf([&] { made(bad); }), HasSubstr("attenuationColor"));
+}
+
 TEST(Gltf, specularAndIndexSetTheReflectionAtNormalIncidence) {
     const auto found = [](const Json& extensions) {
         GltfMaker maker;  // a black dielectric mirrors the white sky

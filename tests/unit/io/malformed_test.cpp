@@ -277,10 +277,6 @@ const std::vector<Malformed> kXml = {
      }},
     {"missing_folder", world("<path value=\"nowhere\"/>"), {"scene.xml:4", "nowhere", "does not exist"}},
     {"path_inside_shape", shape("<path value=\".\"/>"), {"scene.xml:4", "<path>"}},
-    {"medium", world("<medium type=\"homogeneous\" id=\"m\"/>"), {"scene.xml:4", "participating media"}},
-    {"medium_in_shape",
-     shape("<medium name=\"interior\" type=\"homogeneous\"/>"),
-     {"scene.xml:4", "participating media"}},
 };
 
 const std::vector<Malformed> kPlugins = {

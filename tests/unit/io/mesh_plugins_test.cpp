@@ -128,8 +128,8 @@ TEST(ShapePlugins, RefusalsSayWhereAndWhy) {
     EXPECT_THAT(
         refusal("<shape type=\"sphere\"><transform name=\"to_world\"><scale z=\"0\"/></transform></shape>"),
         HasSubstr("scene.xml:2"));
-    EXPECT_THAT(refusal("<shape type=\"sphere\"><medium name=\"interior\" type=\"homogeneous\"/></shape>"),
-                HasSubstr("media"));
+    EXPECT_THAT(refusal("<shape type=\"sphere\"><medium name=\"inside\" type=\"homogeneous\"/></shape>"),
+                HasSubstr("interior or exterior"));
     EXPECT_THAT(refusal("<shape type=\"sphere\"><bsdf type=\"diffuse\"/><bsdf type=\"diffuse\"/></shape>"),
                 HasSubstr("2 children"));
     EXPECT_THAT(refusal("<shape type=\"sphere\"><emitter type=\"point\"/></shape>"), HasSubstr("area"));

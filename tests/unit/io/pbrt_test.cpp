@@ -321,8 +321,8 @@ TEST(Pbrt, RefusalsNameTheirPlace) {
         {"Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
          "found no texture of the name \"t\""},
         {"Texture \"t\" \"spectrum\" \"marble\"", "textures of the class \"marble\" are not supported"},
-        {"MakeNamedMedium \"m\" \"string type\" \"homogeneous\"", "participating media"},
-        {"MediumInterface \"m\" \"\"", "participating media"},
+        {"MakeNamedMedium \"m\" \"string type\" \"cloud\"", "the medium \"cloud\" is not supported"},
+        {"MediumInterface \"m\" \"\" Shape \"sphere\"", "found no medium of the name \"m\""},
         {"AttributeEnd", "found AttributeEnd without its beginning"},
         {"AttributeBegin", "found the end of the file, expected AttributeEnd"},
         {"AttributeBegin ObjectEnd", "found ObjectEnd, expected AttributeEnd first"},
@@ -345,7 +345,7 @@ TEST(Pbrt, LenientlyWhatIsUnknownHasAStandIn) {
          {"Shape \"nurbs\" \"float width\" 1", "Material \"hair\" \"float eumelanin\" 1 Shape \"sphere\"",
           "Texture \"t\" \"spectrum\" \"marble\" Material \"diffuse\" \"texture reflectance\" \"t\" Shape "
           "\"disk\"",
-          "Shape \"sphere\" \"float what\" 1", "MediumInterface \"a\" \"b\"",
+          "Shape \"sphere\" \"float what\" 1", "MakeNamedMedium \"m\" \"string type\" \"nanovdb\"",
           "AreaLightSource \"odd\" Shape \"sphere\""}) {
         const SceneParts parts =
             loadedPbrt(pbrtScene("LightSource \"infinite\"\n" + std::string(text)), lenient);

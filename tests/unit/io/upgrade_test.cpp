@@ -37,6 +37,9 @@ struct SameValue {
     void operator()(const mitsuba::PixelArray&, const mitsuba::PixelArray&) const {
         ADD_FAILURE() << "no file has these";
     }
+    void operator()(const mitsuba::VoxelArray&, const mitsuba::VoxelArray&) const {
+        ADD_FAILURE() << "no file has these";
+    }
     template <class T>
     void operator()(const T& a, const T& b) const {
         EXPECT_EQ(a, b);

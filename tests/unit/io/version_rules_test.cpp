@@ -88,14 +88,14 @@ TEST(VersionRules, LenientPutsAStandInForEveryUnknownPlugin) {
         <shape type="rectangle"><bsdf type="velvet"/><emitter type="glow"/></shape><shape type="teapot"/>
         <shape type="cube"><bsdf type="diffuse"><texture name="reflectance" type="marble"/></bsdf></shape>
         <shape type="cube"><bsdf type="diffuse"><spectrum name="reflectance" type="neon"/></bsdf></shape>
-        <shape type="cube"><medium type="homogeneous" name="interior"/></shape>
+        <shape type="cube"><medium type="ether" name="interior"/></shape>
         <emitter type="aurora"/><emitter type="constant"/>)";
     for (const char* version : {"0.6.0", "2.1.0", "3.0.0"}) {
         const SceneParts parts = load(scene(body, version), lenient());
         EXPECT_EQ(parts.shapes.size(), 4u);
         EXPECT_EQ(parts.lights.size(), 1u);
         for (const char* name : {"fisheye_of_mine", "specfilm", "sinc", "velvet", "glow", "teapot", "marble",
-                                 "neon", "medium", "aurora"})
+                                 "neon", "ether", "aurora"})
             EXPECT_THAT(parts.warnings, Contains(AllOf(HasSubstr("scene.xml:"), HasSubstr(name)))) << name;
     }
 }

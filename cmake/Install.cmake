@@ -1,4 +1,4 @@
-# Components, each of which cmake/Packages.cmake makes a package of: `command`, `mpi`, `library`, `development`, `python3`.
+# Components, each of which cmake/Packages.cmake makes a package of: `command`, `mpi`, `vdb`, `library`, `development`, `python3`.
 # Beside them is `python`, the package for a virtual environment (python/CMakeLists.txt).
 include(CMakePackageConfigHelpers)
 
@@ -13,6 +13,9 @@ install(FILES ${METROLUX_SHELL_FOLDER}/metrolux.fish
   DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d COMPONENT command)
 if(TARGET metrolux_mpi)
   install(TARGETS metrolux_mpi LIBRARY DESTINATION ${libraries} COMPONENT mpi)
+endif()
+if(TARGET metrolux_vdb)
+  install(TARGETS metrolux_vdb LIBRARY DESTINATION ${libraries} COMPONENT vdb)
 endif()
 
 install(TARGETS metrolux_library EXPORT MetroluxTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library

@@ -38,6 +38,10 @@ if(TARGET metrolux_mpi)
  What metrolux loads when MPI has started it.")
   set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS "metrolux (= ${PROJECT_VERSION})")
 endif()
+if(TARGET metrolux_vdb)
+  metrolux_package(vdb metrolux-vdb graphics "physically based renderer, OpenVDB
+ What metrolux loads for scenes with grids of OpenVDB.")
+endif()
 if(TARGET metrolux_python)
   math(EXPR Python3_NEXT_MINOR "${Python3_VERSION_MINOR} + 1")
   metrolux_package(python3 python3-metrolux python "physically based renderer, Python package

@@ -1,6 +1,7 @@
 #include "render/team.h"
 
 #include "base/error.h"
+#include "base/loaded_library.h"
 #include "base/rng.h"
 #include "base/state_archive.h"
 #include "render/communicator.h"
@@ -8,8 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
-#include <dlfcn.h>
-#include <filesystem>
 #include <numeric>
 
 namespace metrolux::core {
@@ -100,43 +99,20 @@ class TeamOfRanks final : public Team {
 
 #ifdef METROLUX_MPI
 
-/// Folders in which the library for MPI may be: where this code is, and where it is installed.
-std::vector<std::filesystem::path> libraryFolders() {
-    std::vector<std::filesystem::path> result;
-    std::error_code code;
-    std::vector<std::filesystem::path> objects{std::filesystem::read_symlink("/proc/self/exe", code)};
-    static const char kHere = 0;
-    Dl_info object{};
-    if (dladdr(&kHere, &object) != 0 && object.dli_fname) objects.emplace_back(object.dli_fname);
-    for (const std::filesystem::path& path : objects) {
-        const std::filesystem::path folder = path.parent_path();
-        if (folder.empty()) continue;  // a command's name as it was typed
-        for (const char* beside : {".", "metrolux", METROLUX_LIBRARIES_FROM_COMMAND})
-            result.push_back(folder / beside);
-    }
-    return result;
-}
-
 std::unique_ptr<Communicator> loadCommunicator(int processes) {
     constexpr const char* kLibrary = "metrolux_mpi.so";
-    for (const std::filesystem::path& folder : libraryFolders()) {
-        std::error_code code;
-        const std::filesystem::path file = folder / kLibrary;
-        if (!std::filesystem::exists(file, code)) continue;
-        // Global, since plugins of MPI look for its symbols there. It stays loaded.
-        void* library = dlopen(file.c_str(), RTLD_NOW | RTLD_GLOBAL);
-        void* symbol = library ? dlsym(library, kMakeCommunicator) : nullptr;
-        if (!symbol) throw Error("cannot load '{}': {}", file.string(), dlerror());
-        try {
-            return std::unique_ptr<Communicator>(reinterpret_cast<MakeCommunicator>(symbol)());
-        } catch (const std::runtime_error& error) {
-            throw Error(error.what());
-        }
+    // Global, since plugins of MPI look for its symbols there.
+    void* const make = loadFunction(kLibrary, kMakeCommunicator, true);
+    if (!make)
+        throw Error(
+            "started as one of {} processes of MPI, but {} is not beside this program: install the package "
+            "metrolux-mpi, or divide the render with --only-slices and `metrolux merge`",
+            processes, kLibrary);
+    try {
+        return std::unique_ptr<Communicator>(reinterpret_cast<MakeCommunicator>(make)());
+    } catch (const std::runtime_error& error) {
+        throw Error(error.what());
     }
-    throw Error(
-        "started as one of {} processes of MPI, but {} is not beside this program: install the package "
-        "metrolux-mpi, or divide the render with --only-slices and `metrolux merge`",
-        processes, kLibrary);
 }
 
 #endif

@@ -42,6 +42,7 @@ const std::map<std::string, std::set<std::string>> kMayInclude = {
      {"base", "sampling", "image", "geometry", "scattering", "endpoint", "media", "scene", "integrators",
       "io"}},
     {"mpi", {"render"}},
+    {"vdb", {"io"}},
     {"study",
      {"base", "spatial", "image", "geometry", "endpoint", "media", "scene", "transport", "wavefront",
       "integrators", "render"}},
@@ -101,10 +102,10 @@ TEST(ModuleOrder, IncludesPointUpwards) {
 }
 
 TEST(ModuleOrder, TheOrderItselfHasNoCycle) {
-    const std::vector<std::string> order = {"base",       "sampling", "spatial",     "image", "geometry",
-                                            "scattering", "media",    "endpoint",    "scene", "transport",
-                                            "wavefront",  "markov",   "integrators", "io",    "render",
-                                            "mpi",        "study",    "api",         "view",  "app"};
+    const std::vector<std::string> order = {
+        "base",     "sampling", "spatial",   "image",     "geometry", "scattering",  "media",
+        "endpoint", "scene",    "transport", "wavefront", "markov",   "integrators", "io",
+        "render",   "mpi",      "vdb",       "study",     "api",      "view",        "app"};
     std::set<std::string> above;
     for (const std::string& module : order) {
         for (const std::string& included : kMayInclude.at(module))

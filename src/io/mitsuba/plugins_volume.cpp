@@ -5,6 +5,7 @@
 #include "io/mitsuba/spectrum.h"
 #include "io/mitsuba/unknown_plugins.h"
 #include "io/mitsuba/world_origin.h"
+#include "io/vdb_file.h"
 #include "io/volume_file.h"
 
 #include <algorithm>
@@ -55,7 +56,18 @@ void readLookUp(const Element& e, LoadContext& context, GridSettings& settings) 
     }
 }
 
+/// A grid of OpenVDB is where its file has it, in the space of to_world.
+VolumePtr gridOfVdb(const Element& e, LoadContext& context) {
+    VdbFile file =
+        readVdbFile(context.resolve(e, e.requiredString("filename")), e.string("grid", ""), &context.memory);
+    GridSettings settings;
+    readLookUp(e, context, settings);
+    settings.toWorld = toScene(e, context) * file.toFile;
+    return makeGridVolume(std::move(file.samples), settings);
+}
+
 VolumePtr grid(const Element& e, LoadContext& context) {
+    if (!e.voxels("data") && e.requiredString("filename").ends_with(".vdb")) return gridOfVdb(e, context);
     VolumeFile file = samplesOf(e, context);
     Vec3d lower(file.box.min), upper(file.box.max);
     GridSettings settings;

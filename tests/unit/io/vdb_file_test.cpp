@@ -2,8 +2,8 @@
 
 #include "io/vdb_file.h"
 
+#include "media_support.h"
 #include "paths.h"
-#include "support.h"
 
 #include <gmock/gmock.h>
 
@@ -43,6 +43,18 @@ TEST(VdbFile, voxelsAreWhereTheFileHasThem) {
     EXPECT_NEAR(at(2.25f, -3, 4), 0.625f, 1e-6f) << "between voxels";
     EXPECT_NEAR(at(3.5f, -3, 4), 0.5f, 1e-6f) << "half a voxel outside, as in OpenVDB";
     EXPECT_NEAR(at(4, -3, 4), 0, 1e-6f);
+}
+
+TEST(VdbFile, scenesPlaceItsGrids) {
+    const auto parts =
+        partsOf(withMedia(fmt::format(R"(<shape type="cube"><medium type="heterogeneous" name="interior">
+<volume name="sigma_t" type="gridvolume"><string name="filename" value="{}"/><string name="grid" value="density"/>
+<transform name="to_world"><scale value="2"/></transform></volume></medium></shape>)",
+                                      kGrids.string())));
+    ASSERT_EQ(parts.media.size(), 1u);
+    // Voxel (3, -3, 4), twice as far from the origin as in the file.
+    EXPECT_NEAR(parts.media[0]->extinction({5, 6, 7.5f}).x, 1, 1e-6f);
+    EXPECT_NEAR(parts.media[0]->extinction({5.5f, 6, 7.5f}).x, 0.5f, 1e-6f);
 }
 
 TEST(VdbFile, refusals) {

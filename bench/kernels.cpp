@@ -123,14 +123,14 @@ float radiusFor(size_t count) { return std::sqrt(2 / (kPi * static_cast<float>(c
 void buildGrid(benchmark::State& state) {
     const std::vector<Vertex> v = vertices(static_cast<size_t>(state.range(0)));
     VertexGrid grid;
-    for (auto _ : state) grid.build(v, radiusFor(v.size()));
+    for (auto _ : state) grid.build(positionsOf(v), radiusFor(v.size()));
     state.SetItemsProcessed(state.iterations() * state.range(0));
 }
 
 void queryGrid(benchmark::State& state) {
     const std::vector<Vertex> v = vertices(static_cast<size_t>(state.range(0)));
     VertexGrid grid;
-    grid.build(v, radiusFor(v.size()));
+    grid.build(positionsOf(v), radiusFor(v.size()));
     CounterRng rng(hashKey(7));
     uint64_t found = 0;
     for (auto _ : state) grid.query({rng.next1D(), 0, rng.next1D()}, [&](uint32_t index) { found += index; });

@@ -138,7 +138,7 @@ Value asBefore(const Property* before, const Value& value) {
                          std::holds_alternative<SpectrumValue>(before->value) ||
                          std::holds_alternative<double>(before->value) ||
                          std::holds_alternative<int64_t>(before->value) ||
-                         (element && (*element)->tag == "texture");
+                         (element && ((*element)->tag == "texture" || (*element)->tag == "volume"));
     return isColor ? Value(Color{v->x, v->y, v->z}) : value;
 }
 

@@ -23,8 +23,9 @@ class Media {
 };
 
 /// What MediumInterface says: names, empty for empty space.
-struct MediumNames {
+struct MediumInterface {
     std::string interior, exterior;
+    Location where;
 };
 
 /// The sensor or light in a medium that may be null.

@@ -35,8 +35,7 @@ struct State {
     std::optional<AreaLight> light;
     std::map<std::string, std::vector<Parameter>> defaults;  ///< of Attribute, by target
     ColorSpace space;
-    MediumNames media;
-    Location mediaWhere;  ///< of MediumInterface
+    MediumInterface media;
 };
 
 class SceneReader {
@@ -185,7 +184,7 @@ class SceneReader {
     void camera(const Token& t) {
         view_.camera = typed(t);
         view_.cameraToWorld = t.located([&] { return state_.place.map.inverse(); });
-        cameraMedium_ = exterior();
+        cameraMedia_ = state_.media;  // which may be made after it
         maps_.name("camera", view_.cameraToWorld);
     }
     void film(const Token& t) { view_.film = typed(t); }
@@ -214,7 +213,7 @@ class SceneReader {
         given(view_.integrator, "Integrator");
         exposure_ = view_.exposure();
         scene_.containing(view_.integratorElement(reading_));
-        if (view_.camera.isGiven) scene_.containing(placedIn(view_.sensor(reading_), cameraMedium_));
+        if (view_.camera.isGiven) scene_.containing(placedIn(view_.sensor(reading_), exterior(cameraMedia_)));
     }
 
     // In the world.
@@ -252,16 +251,18 @@ class SceneReader {
     void mediumInterface(const Token& t) {
         state_.media.interior = state_.media.exterior = lexer_.text(t);
         if (lexer_.peek().kind == Kind::String) state_.media.exterior = lexer_.text(t);
-        state_.mediaWhere = t.where();
+        state_.media.where = t.where();
     }
-    ElementPtr exterior() const { return media_.find(state_.media.exterior, state_.mediaWhere); }
+    ElementPtr exterior(const MediumInterface& media) const {
+        return media_.find(media.exterior, media.where);
+    }
     void lightSource(const Token& t) {
         requireWorld(t);
         const TypedDirective d = typed(t, "light");
         reading_.memory.take(kObjectBytes, "a light");
         scene_.containing(
             placedIn(makeLight(d.type, d.parameters, state_.place.map, state_.space, exposure_, reading_),
-                     exterior()));
+                     exterior(state_.media)));
     }
     void areaLightSource(const Token& t) {
         requireWorld(t);
@@ -304,7 +305,8 @@ class SceneReader {
     /// A surface with the same on both sides is no boundary, as in pbrt.
     void addMedia(ShapePart& part, bool isBack) const {
         if (state_.media.interior == state_.media.exterior) return;
-        const ElementPtr inside = media_.find(state_.media.interior, state_.mediaWhere), outside = exterior();
+        const ElementPtr inside = media_.find(state_.media.interior, state_.media.where),
+                         outside = exterior(state_.media);
         // A back is turned around, and its front has let nothing of the exterior in.
         if (inside) part.made.with(isBack ? "exterior" : "interior", inside);
         if (isBack && inside) part.made.with("interior", inside);
@@ -343,7 +345,7 @@ class SceneReader {
     Textures textures_;
     Materials materials_;
     Media media_;
-    ElementPtr cameraMedium_;
+    MediumInterface cameraMedia_;
     Maker scene_;
     State state_;
     std::vector<Block> open_;

@@ -3,6 +3,7 @@
 #include "io/mitsuba/media.h"
 
 #include "api/object_tree.h"
+#include "api/scene_tree.h"
 #include "io/mitsuba/xml_writer.h"
 #include "media_support.h"
 #include "support/shared_data.h"
@@ -323,11 +324,27 @@ TEST(Media, OfObjects) {
     const Object sensor("perspective", {{"film", Object("hdrfilm")}, {"medium", Reference{"fog"}}});
     const Object scene("scene",
                        {{"fog", fog}, {"cube", cube}, {"light", Object("constant")}, {"sensor", sensor}});
-    const SceneParts parts = buildScene(api::parsedScene(scene, "."), {});
+    const mitsuba::ParsedScene tree = api::parsedScene(scene, ".");
+    SensorSource source;
+    const SceneParts parts = buildScene(tree, {}, nullptr, &source);
     ASSERT_EQ(parts.media.size(), 1u);
     expectMedium(*parts.media[0], {1, 2, 3}, Rgb(0.5f));
-    EXPECT_EQ(parts.shapes.at(0)->media->interior, 1);
+    EXPECT_EQ(parts.shapes.at(0)->media.value().interior, 1);
     EXPECT_EQ(parts.camera->medium, MediumIndex{1});
+
+    const auto changed = [&](const std::string& path, const Value& value, bool isView) {
+        api::SceneTree changes(tree, source.element, source.element);
+        changes.set(path, value);
+        mitsuba::ParsedScene result = changes.finish();
+        EXPECT_EQ(changes.onlySensorChanged(), isView) << path;
+        return buildScene(std::move(result), {});
+    };
+    expectMedium(*changed("fog.sigma_t", Vector{3, 2, 1}, false).media.at(0), {3, 2, 1}, Rgb(0.5f));
+    const Object rayleigh("rayleigh");
+    EXPECT_NEAR(changed("fog.phase", rayleigh, false).media.at(0)->phase().evaluate(Vec3f(0.0f), 0),
+                0.1875f / std::numbers::pi_v<float>, 1e-6);
+    // The index of a camera's medium is the whole scene's.
+    EXPECT_EQ(changed("sensor.fov", 20.0, false).camera->medium, MediumIndex{1});
 }
 
 TEST(Media, ScenesOfMitsubasTests) {

@@ -314,12 +314,14 @@ class GridVolume final : public Volume {
         return (size_t(block.z) * size_t(axes_[1].blocks()) + size_t(block.y)) * size_t(axes_[0].blocks()) +
                size_t(block.x);
     }
+    /// Of a cell, from -1, in the tables of its axis.
+    static size_t entry(int cell) { return static_cast<size_t>(cell) + 1; }
     const float* sampleOf(const Imath::V3i& cell) const {
-        return &values_[axes_[0].lower[size_t(cell.x + 1)] + axes_[1].lower[size_t(cell.y + 1)] +
-                        axes_[2].lower[size_t(cell.z + 1)]];
+        return &values_[axes_[0].lower[entry(cell.x)] + axes_[1].lower[entry(cell.y)] +
+                        axes_[2].lower[entry(cell.z)]];
     }
     std::array<size_t, kCorners> cornersOf(const Imath::V3i& cell) const {
-        const auto x = size_t(cell.x + 1), y = size_t(cell.y + 1), z = size_t(cell.z + 1);
+        const size_t x = entry(cell.x), y = entry(cell.y), z = entry(cell.z);
         const size_t low = axes_[0].lower[x], high = axes_[0].upper[x], y0 = axes_[1].lower[y],
                      y1 = axes_[1].upper[y], z0 = axes_[2].lower[z], z1 = axes_[2].upper[z];
         const size_t rows[4] = {y0 + z0, y1 + z0, y0 + z1, y1 + z1};
@@ -414,8 +416,8 @@ VolumePtr makeGridVolume(GridSamples samples, const GridSettings& settings) {
                     n.z);
     if (settings.placement == GridPlacement::Nodes && settings.filter != GridFilter::Trilinear)
         throw Error("gridvolume: samples on the faces of the cube are interpolated linearly alone");
-    if (samples.channels == 1) return std::make_shared<GridVolume<1>>(samples, settings);
-    return std::make_shared<GridVolume<3>>(samples, settings);
+    if (samples.channels == 1) return std::make_shared<GridVolume<1>>(std::move(samples), settings);
+    return std::make_shared<GridVolume<3>>(std::move(samples), settings);
 }
 
 uint64_t gridVolumeBytes(const Imath::V3i& resolution) {

@@ -35,10 +35,10 @@ class FloatGrid final : public VdbGrid {
         for (int row = 0; row < 4; ++row) {
             double shift = map(3, row);
             for (int a = 0; a < 3; ++a) {
-                rows[size_t(row * 4 + a)] = map(a, row) * double(n[size_t(a)]);
+                rows[size_t(row) * 4 + size_t(a)] = map(a, row) * double(n[size_t(a)]);
                 shift += map(a, row) * (box_.min()[a] - 0.5);
             }
-            rows[size_t(row * 4 + 3)] = shift;
+            rows[size_t(row) * 4 + 3] = shift;
         }
         return rows;
     }

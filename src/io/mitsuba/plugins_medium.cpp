@@ -162,6 +162,7 @@ const std::vector<std::pair<std::string, Factory>> kFactories = {{"homogeneous",
 
 std::vector<std::string> mediumTypes() {
     std::vector<std::string> names;
+    names.reserve(kFactories.size());
     for (const auto& [name, factory] : kFactories) names.push_back(name);
     return names;
 }
@@ -172,7 +173,7 @@ MediumPtr makeMedium(const Element& element, LoadContext& context) {
         if (element.type != name) continue;
         refuseEmission(element);
         readSampling(element, context);
-        result = withLocation(element, [&] { return factory(element, context); });
+        result = withLocation(element, [&, make = factory] { return make(element, context); });
     }
     if (result) {
         element.checkAllUsed(context.lenient, context.warnings);

@@ -108,6 +108,7 @@ const Quantity kAlbedo{"albedo in [0, 1]", reflectanceFromSpectrum, 1};
 
 std::vector<std::string> volumeTypes() {
     std::vector<std::string> names;
+    names.reserve(kFactories.size());
     for (const auto& [name, factory] : kFactories) names.push_back(name);
     return names;
 }
@@ -117,7 +118,8 @@ VolumePtr makeVolume(const Element& element, LoadContext& context) {
         return std::static_pointer_cast<const Volume>(found->second);
     VolumePtr result;
     for (const auto& [name, factory] : kFactories)
-        if (element.type == name) result = withLocation(element, [&] { return factory(element, context); });
+        if (element.type == name)
+            result = withLocation(element, [&, make = factory] { return make(element, context); });
     if (result) {
         element.checkAllUsed(context.lenient, context.warnings);
     } else {

@@ -75,7 +75,7 @@ Coefficients readLegacy(const Element& e, LoadContext& context) {
     if (!preset)
         throw e.error(*e.find("material"), fmt::format("found the material \"{}\", expected one of: {}", name,
                                                        mediumPresetNames(kMitsubaPresets)));
-    if (hasPreset || !(hasParts || hasWhole))
+    if (!(e.has("sigma_s") && e.has("sigma_a")) && !(e.has("sigma_t") && e.has("albedo")))
         context.warn(e, fmt::format("the coefficients of \"{}\" are per millimeter, as documented; Mitsuba "
                                     "0.6 itself takes 100 times as much",
                                     preset->name));

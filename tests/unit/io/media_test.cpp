@@ -253,8 +253,8 @@ TEST(Media, MixturesOf06MayAbsorb) {
 
 TEST(Media, ABoundaryWithoutBsdf) {
     const std::string cube = R"(<shape type="cube"><medium name="interior" type="homogeneous">
-        <spectrum name=")";
-    const SceneParts old = partsOf(withMedia(cube + R"(sigmaS" value="1"/></medium></shape>)", "0.6.0"));
+        <spectrum name="albedo" value="0.5"/><spectrum name=")";
+    const SceneParts old = partsOf(withMedia(cube + R"(sigmaT" value="1"/></medium></shape>)", "0.6.0"));
     EXPECT_TRUE(old.shapes.at(0)->bsdf->isTransmissive());
     EXPECT_THAT(old.warnings, IsEmpty());
     const SceneParts today = partsOf(withMedia(cube + R"(sigma_t" value="1"/></medium></shape>)"));

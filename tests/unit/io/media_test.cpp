@@ -153,23 +153,22 @@ TEST(Media, SidesAndPlaces) {
     EXPECT_THAT(parts.warnings, IsEmpty());
 }
 
-TEST(Media, VolumesOfShapesInGroupsAreInTheWorld) {
-    // Its shapes lie far from the group's own origin, around which they are built.
-    const SceneParts parts = partsOf(withMedia(R"(<shape type="shapegroup" id="g"><shape type="cube">
-<transform name="to_world"><translate x="1000"/></transform><bsdf type="null"/>
-<medium name="interior" type="heterogeneous"><float name="sigma_t" value="7"/></medium></shape></shape>
-<shape type="instance"><ref id="g"/><transform name="to_world"><translate x="-1000"/></transform></shape>)"));
-    expectNear(parts.media.at(0)->thickness({-5, 0.5f, 0.5f}, {1, 0, 0}, 10), Rgb(7.0f));
-}
-
 TEST(Media, ScenesFarAwayTakeTheirVolumesWithThem) {
-    const SceneParts parts = partsOf(withMedia(R"(<shape type="cube">
-<transform name="to_world"><translate x="100000"/></transform><bsdf type="null"/>
-<medium name="interior" type="heterogeneous"><volume name="sigma_t" type="constvolume">
-<transform name="to_world"><translate x="100000"/></transform></volume></medium></shape>)"));
-    const auto x = static_cast<float>(100000.0 - parts.origin.x);
-    ASSERT_NE(parts.origin.x, 0);
-    expectNear(parts.media.at(0)->thickness({x - 5, 0.5f, 0.5f}, {1, 0, 0}, 10), Rgb(1.0f));
+    // In world space also where the shapes are in a group, which has an origin of its own.
+    const std::string map = R"(<transform name="to_world"><translate x="100000"/></transform>)";
+    const std::string medium = R"(<medium name="interior" type="heterogeneous">
+        <volume name="sigma_t" type="constvolume"><float name="value" value="7"/>)" +
+                               map + "</volume></medium>";
+    const std::string cube = R"(<bsdf type="null"/>)" + medium + "</shape>";
+    for (const std::string& body :
+         {R"(<shape type="cube">)" + map + cube,
+          R"(<shape type="shapegroup" id="g"><shape type="cube">)" + cube +
+              R"(</shape><shape type="instance"><ref id="g"/>)" + map + "</shape>"}) {
+        const SceneParts parts = partsOf(withMedia(body));
+        const auto x = static_cast<float>(100000.0 - parts.origin.x);
+        ASSERT_NE(parts.origin.x, 0);
+        expectNear(parts.media.at(0)->thickness({x - 5, 0.5f, 0.5f}, {1, 0, 0}, 10), Rgb(7.0f));
+    }
 }
 
 TEST(Media, ViewsKeepTheMediumOfTheCamera) {

@@ -3,7 +3,8 @@
 #include "media/grid_volume.h"
 
 #include "base/error.h"
-#include "media/grid_cell.h"
+#include "media/grid_axis.h"
+#include "media/grid_sums.h"
 
 #include <array>
 #include <vector>
@@ -14,132 +15,17 @@ namespace {
 /// Periods of a repeated grid within its bounds; more are refused, as a ray would take forever.
 constexpr double kMostPeriods = 4096;
 
-/// One axis of the grid. Its cells are [i, i + 1] in grid coordinates, of which the unit cube is the part
-/// from `low` to `low + period`.
-struct Axis {
-    double low = 0, period = 1;
-    int cells = 1;
-    /// Of each cell, from -1 to `cells`: where the samples on its two sides are. A ray may come to the
-    /// outermost by rounding.
-    std::vector<size_t> lower, upper;
-
-    Axis(int samples, size_t stride, const GridSettings& settings) {
-        const bool isLinear = settings.filter == GridFilter::Trilinear,
-                   isNodes = settings.placement == GridPlacement::Nodes;
-        period = isNodes ? samples - 1 : samples;
-        low = isLinear && !isNodes ? 0.5 : 0.0;
-        cells = isNodes ? samples - 1 : isLinear ? samples + 1 : samples;
-        const int shift = isLinear && !isNodes ? 1 : 0;
-        const auto sample = [&](int i) {
-            const bool repeats = settings.wrap == GridWrap::Repeat;
-            if (i < 0) i = repeats ? samples - 1 : 0;  // a mirror image begins with the same sample
-            if (i >= samples) i = repeats ? 0 : samples - 1;
-            return static_cast<size_t>(i) * stride;
-        };
-        const int least = -shift, most = cells - shift - (isLinear ? 0 : 1);
-        for (int cell = -1; cell <= cells; ++cell) {
-            lower.push_back(sample(std::clamp(cell - shift, least, most)));
-            upper.push_back(isLinear ? sample(std::clamp(cell - shift + 1, least, most)) : lower.back());
-        }
-    }
-    int blocks() const { return (cells + kBlock - 1) / kBlock; }
-};
-
-/// Samples at the corners of the cells of a run.
-template <int Channels>
-struct RunSamples {
-    float corner[Channels][kCorners][CellRun::kMost];
-};
-
-/// Integrals over the cells of a run, of one channel.
-void integrate(const CellRun& run, const LatticeRay& ray, const float (&corner)[kCorners][CellRun::kMost],
-               double (&parts)[CellRun::kMost]) {
-    for (int i = 0; i < run.padded; ++i) {
-        const double middle = 0.5 * (run.distance[i] + run.distance[i + 1]),
-                     half = 0.5 * (run.distance[i + 1] - run.distance[i]);
-        const auto at = [&](double t) {
-            const float c[kCorners] = {corner[0][i], corner[1][i], corner[2][i], corner[3][i],
-                                       corner[4][i], corner[5][i], corner[6][i], corner[7][i]};
-            return trilinear(c, static_cast<float>(ray.origin.x + ray.direction.x * t - run.x[i]),
-                             static_cast<float>(ray.origin.y + ray.direction.y * t - run.y[i]),
-                             static_cast<float>(ray.origin.z + ray.direction.z * t - run.z[i]));
-        };
-        const float sum = at(middle - kGauss * half) + at(middle + kGauss * half);
-        // Rounding may take a value below 0 where samples are 0.
-        parts[i] = half * static_cast<double>(sum > 0 ? sum : 0);
-    }
-}
-
-/// Adds up what a ray crosses.
-template <int Channels>
-struct Integral {
-    double sum[Channels] = {};
-
-    bool uniform(const float* value, double begin, double end) {
-        for (int c = 0; c < Channels; ++c) sum[c] += (end - begin) * double(value[c]);
-        return true;
-    }
-    bool cells(const CellRun& run, const LatticeRay& ray, const RunSamples<Channels>& samples) {
-        double parts[CellRun::kMost];
-        for (int c = 0; c < Channels; ++c) {
-            integrate(run, ray, samples.corner[c], parts);
-            for (int i = 0; i < run.count; ++i) sum[c] += parts[i];
-        }
-        return true;
-    }
-};
-
-/// The same until a channel exceeds its target.
-template <int Channels>
-struct Search {
-    int channel = 0;
-    double target = 0;
-    double sum[Channels] = {};
-    std::optional<double> distance;
-
-    bool uniform(const float* value, double begin, double end) {
-        const double rest = target - sum[channel], rate = value[channel];
-        if (rest < rate * (end - begin)) distance = end = std::min(begin + rest / rate, end);
-        for (int c = 0; c < Channels; ++c) sum[c] += (end - begin) * double(value[c]);
-        return !distance;
-    }
-    bool cells(const CellRun& run, const LatticeRay& ray, const RunSamples<Channels>& samples) {
-        double parts[Channels][CellRun::kMost];
-        for (int c = 0; c < Channels; ++c) integrate(run, ray, samples.corner[c], parts[c]);
-        for (int i = 0; i < run.count; ++i) {
-            const double rest = target - sum[channel];
-            if (rest < parts[channel][i]) {
-                const double begin = run.distance[i];
-                distance = cellOf(run, ray, samples, channel, i).solve(begin, run.distance[i + 1], rest);
-                for (int c = 0; c < Channels; ++c)
-                    sum[c] += cellOf(run, ray, samples, c, i).integral(begin, *distance);
-                return false;
-            }
-            for (int c = 0; c < Channels; ++c) sum[c] += parts[c][i];
-        }
-        return true;
-    }
-    static GridCell cellOf(const CellRun& run, const LatticeRay& ray, const RunSamples<Channels>& samples,
-                           int channel, int i) {
-        GridCell cell;
-        for (int k = 0; k < kCorners; ++k) cell.corner[k] = samples.corner[channel][k][i];
-        cell.origin = ray.origin - Vec3d(run.x[i], run.y[i], run.z[i]);
-        cell.direction = ray.direction;
-        return cell;
-    }
-};
-
 template <int Channels>
 class GridVolume final : public Volume {
   public:
     GridVolume(GridSamples samples, const GridSettings& settings)
         : settings_(settings),
           values_(std::move(samples.values)),
-          axes_{
-              Axis(samples.resolution.x, Channels, settings),
-              Axis(samples.resolution.y, size_t(Channels) * size_t(samples.resolution.x), settings),
-              Axis(samples.resolution.z,
-                   size_t(Channels) * size_t(samples.resolution.x) * size_t(samples.resolution.y), settings)},
+          axes_{GridAxis(samples.resolution.x, Channels, settings),
+                GridAxis(samples.resolution.y, size_t(Channels) * size_t(samples.resolution.x), settings),
+                GridAxis(samples.resolution.z,
+                         size_t(Channels) * size_t(samples.resolution.x) * size_t(samples.resolution.y),
+                         settings)},
           bounds_(boundsOfUnitCube(settings.toWorld, "gridvolume")) {
         const Transform toLocal = settings.toWorld.inverse();
         for (int row = 0; row < 3; ++row) {
@@ -157,7 +43,7 @@ class GridVolume final : public Volume {
         Vec3d inside;
         Imath::V3i cell;
         for (int a = 0; a < 3; ++a) {
-            const Axis& axis = axes_[a];
+            const GridAxis& axis = axes_[a];
             const double periods = (place[a] - axis.low) / axis.period;
             // Points on the faces may have been rounded.
             if (settings_.placement == GridPlacement::Nodes && !(periods > -1e-4 && periods < 1 + 1e-4))
@@ -177,13 +63,13 @@ class GridVolume final : public Volume {
         return rgb(result);
     }
     Rgb integral(const Vec3f& origin, const Vec3f& direction, double begin, double end) const override {
-        Integral<Channels> result;
+        GridIntegral<Channels> result;
         march(origin, direction, begin, end, result);
         return rgb(result.sum);
     }
     std::optional<Crossing> cross(const Vec3f& origin, const Vec3f& direction, double begin, double end,
                                   int channel, double target) const override {
-        Search<Channels> search;
+        GridSearch<Channels> search;
         search.channel = Channels == 1 ? 0 : channel;
         search.target = target;
         march(origin, direction, begin, end, search);
@@ -228,7 +114,7 @@ class GridVolume final : public Volume {
 
         Mirrored(const GridVolume& grid, int a, int zone) {
             if (zone == 0) return;
-            const Axis& axis = grid.axes_[a];
+            const GridAxis& axis = grid.axes_[a];
             if (grid.settings_.wrap == GridWrap::Clamp) {
                 slope = 0;
                 shift = zone < 0 ? axis.low : axis.low + axis.period;
@@ -357,20 +243,30 @@ class GridVolume final : public Volume {
                     isUniform_.push_back(isUniform(block * kBlock));
     }
     bool isUniform(const Imath::V3i& first) const {
+        // Where the samples of the block are: the lower ones of its cells, and the upper ones of the last.
+        std::array<std::array<size_t, kBlock + 1>, 3> places;
+        std::array<size_t, 3> counts;
+        for (int a = 0; a < 3; ++a) {
+            const GridAxis& axis = axes_[size_t(a)];
+            const auto last = static_cast<size_t>(std::min(first[a] + kBlock, axis.cells)),
+                       from = size_t(first[a]);
+            counts[size_t(a)] = last - from + 1;
+            for (size_t cell = from; cell < last; ++cell)
+                places[size_t(a)][cell - from] = axis.lower[cell + 1];
+            places[size_t(a)][last - from] = axis.upper[last];
+        }
         const float* const value = sampleOf(first);
-        Imath::V3i last, cell;
-        for (int a = 0; a < 3; ++a) last[a] = std::min(first[a] + kBlock, axes_[a].cells);
-        for (cell.z = first.z; cell.z < last.z; ++cell.z)
-            for (cell.y = first.y; cell.y < last.y; ++cell.y)
-                for (cell.x = first.x; cell.x < last.x; ++cell.x)
-                    for (const size_t corner : cornersOf(cell))
-                        if (!std::equal(value, value + Channels, &values_[corner])) return false;
+        for (size_t z = 0; z < counts[2]; ++z)
+            for (size_t y = 0; y < counts[1]; ++y)
+                for (size_t x = 0; x < counts[0]; ++x)
+                    for (size_t c = 0; c < Channels; ++c)
+                        if (values_[places[2][z] + places[1][y] + places[0][x] + c] != value[c]) return false;
         return true;
     }
 
     GridSettings settings_;
     UninitializedVector<float> values_;
-    std::array<Axis, 3> axes_;
+    std::array<GridAxis, 3> axes_;
     double toGrid_[3][4];
     Imath::Box3d bounds_;
     Rgb maximum_{0.0f};

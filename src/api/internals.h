@@ -32,7 +32,7 @@ struct Session::Impl {
     SessionOptions options;
     core::Workers workers;
     std::unique_ptr<core::RenderSession> session;
-    std::vector<float> image, variance;  ///< what views show
+    std::vector<float> image, variance, denoised;  ///< what views show
     std::atomic<bool> stop{false};
 
     Impl(Scene s, SessionOptions o);

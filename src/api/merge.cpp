@@ -9,16 +9,29 @@
 namespace metrolux {
 namespace {
 
-core::RenderedFrame frameOf(const core::PartMerger& merger, const std::vector<std::string>& layers) {
+/// Sets `denoiser` if it denoises.
+core::RenderedFrame frameOf(const core::PartMerger& merger, const std::vector<std::string>& layers,
+                            std::string& denoiser) {
     core::RenderedFrame frame;
     const core::Film& film = merger.film();
     const nlohmann::json& identity = merger.identity();
     frame.image = {film.width(), film.height(), 3, film.image(), core::placeOf(film.window())};
     for (const std::string& layer : layers) {
-        if (core::aovFromName(layer) != core::Aov::Variance)
+        const core::Aov aov = core::aovFromName(layer);
+        if (aov == core::Aov::Variance) {
+            frame.layers.push_back(core::varianceLayer(film));
+        } else if (aov == core::Aov::Denoised) {
+            if (!merger.denoising())
+                throw core::Error("--denoise: the parts have no halves of their passes, render them with --denoise");
+            const core::DenoisingState& state = *merger.denoising();
+            core::DenoisedImage denoised = core::denoise(film, state.halves, state.features);
+            frame.layers.push_back(std::move(denoised.layer));
+            denoiser = denoised.denoiser;
+            for (const std::string& warning : denoised.warnings) core::api::log(LogLevel::Warning, warning);
+        } else {
             throw core::Error(
                 "--aov: of the layers only variance is in the parts; render the others with the scene");
-        frame.layers.push_back(core::varianceLayer(film));
+        }
     }
     frame.metadata = {{"Software", std::string("Metrolux ") + version()},
                       {"metrolux:scene", identity["scene"]["name"].get<std::string>()},
@@ -27,10 +40,12 @@ core::RenderedFrame frameOf(const core::PartMerger& merger, const std::vector<st
                       {"metrolux:seconds", merger.seconds()},
                       {"metrolux:seed", identity["algorithm"]["seed"].dump()},
                       {"metrolux:options", identity["algorithm"].dump()}};
+    if (!denoiser.empty()) frame.metadata.emplace_back("metrolux:denoiser", denoiser);
     return frame;
 }
 
-nlohmann::json statisticsOf(const core::PartMerger& merger, const std::vector<std::filesystem::path>& parts) {
+nlohmann::json statisticsOf(const core::PartMerger& merger, const std::vector<std::filesystem::path>& parts,
+                            const std::string& denoiser) {
     nlohmann::json slices = nlohmann::json::object(), names = nlohmann::json::array();
     for (const auto& [slice, passes] : merger.passes()) slices[std::to_string(slice)] = passes;
     for (const std::filesystem::path& part : parts) names.push_back(core::validUtf8(part.string()));
@@ -42,6 +57,7 @@ nlohmann::json statisticsOf(const core::PartMerger& merger, const std::vector<st
             {"passes_of_slices", slices},
             {"missing_slices", merger.missing()},
             {"rays", {{"intersect", merger.rays().intersectRays}, {"shadow", merger.rays().shadowRays}}},
+            {"denoiser", denoiser},
             {"emission_exponent", merger.film().exponent()},
             {"beyond_single_precision", merger.film().beyondFloat()},
             {"non_finite", core::toJson(merger.nonFinite())}};
@@ -66,9 +82,10 @@ Merged merge(const std::vector<std::filesystem::path>& parts, const Files& files
         core::api::log(LogLevel::Warning, fmt::format("{} of {} slices are missing: {}", missing.size(),
                                                       merger.identity()[core::kSliceCountKey].get<uint32_t>(),
                                                       fmt::join(missing, ", ")));
-    const core::OutputSet::RescueResult written = outputs.writeOrRescue(frameOf(merger, layers));
+    std::string denoiser;
+    const core::OutputSet::RescueResult written = outputs.writeOrRescue(frameOf(merger, layers, denoiser));
     return {{StopReason::Passes, merger.film().passes(), written.failures, written.rescued, {}},
-            statisticsOf(merger, parts).dump(2)};
+            statisticsOf(merger, parts, denoiser).dump(2)};
 }
 
 }  // namespace metrolux

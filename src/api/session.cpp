@@ -172,16 +172,30 @@ ImageView Session::variance() {
     return {impl_->variance.data(), film.height(), film.width(), 1};
 }
 
+namespace {
+
+std::vector<float> denoisedPixels(core::RenderSession& session) {
+    core::DenoisedImage image = session.denoised();
+    for (const std::string& warning : image.warnings) core::api::log(LogLevel::Warning, warning);
+    return std::move(image.layer.pixels);
+}
+
+}  // namespace
+
 ImageView Session::layer(const std::string& name) {
     const std::vector<std::string>& known = impl_->options.layers;
     if (std::find(known.begin(), known.end(), name) == known.end())
         throw core::Error("the session has no layer '{}'; SessionOptions::layers names {}", name,
                           known.empty() ? "none" : fmt::format("{}", fmt::join(known, ", ")));
     if (name == "variance") return variance();
+    const core::Film& film = impl_->session->film();
+    if (name == core::kDenoisedLayer) {
+        impl_->denoised = impl_->workers.execute([this] { return denoisedPixels(*impl_->session); });
+        return {impl_->denoised.data(), film.height(), film.width(), 3};
+    }
     const auto* layers = impl_->workers.execute([this] { return &impl_->session->cameraLayers(); });
     const auto layer = std::find_if(layers->begin(), layers->end(),
                                     [&](const core::ImageLayer& l) { return l.name == name; });
-    const core::Film& film = impl_->session->film();
     return {layer->pixels.data(), film.height(), film.width(), static_cast<int>(layer->channels.size())};
 }
 
@@ -196,6 +210,9 @@ Picture Session::finish() && {
         picture.layers[layer.name] = {std::move(layer.pixels), height, width,
                                       static_cast<int>(layer.channels.size())};
     const std::vector<std::string>& names = impl->options.layers;
+    if (std::find(names.begin(), names.end(), core::kDenoisedLayer) != names.end())
+        picture.layers[core::kDenoisedLayer] = {
+            impl->workers.execute([&] { return denoisedPixels(*impl->session); }), height, width, 3};
     if (std::find(names.begin(), names.end(), "variance") != names.end()) {
         Image& variance = picture.layers["variance"];
         variance = {std::move(impl->variance), height, width, 1};
@@ -220,6 +237,7 @@ void Session::saveImage(const std::filesystem::path& file, const Display& displa
     core::checkDistinct(core::api::namedOutputs(files), Internals::of(impl_->scene).files);
     const core::OutputSet output(files.images, core::api::displayOf(display), true);
     const core::RenderedFrame frame = impl_->workers.execute([this] { return impl_->session->frame(); });
+    for (const std::string& warning : frame.warnings) core::api::log(LogLevel::Warning, warning);
     for (const std::string& failure : output.write(frame)) throw core::Error(failure);
 }
 
@@ -227,7 +245,7 @@ void Session::save(const std::filesystem::path& checkpoint) const {
     Files files;
     files.checkpoint = checkpoint;
     core::checkDistinct(core::api::namedOutputs(files), Internals::of(impl_->scene).files);
-    core::writeCheckpoint(checkpoint, impl_->session->checkpoint({}));
+    core::writeCheckpoint(checkpoint, impl_->workers.execute([this] { return impl_->session->checkpoint({}); }));
 }
 
 void Session::resume(const std::filesystem::path& checkpoint, bool otherBuild) {

@@ -25,6 +25,7 @@ constexpr const char* kExamples = R"(Examples:
   metrolux render scene.xml -i path --passes 64 --seed 7
   metrolux render scene.xml --resolution 320x180 --crop 100,50,64,64 -D material=glass
   metrolux render scene.xml -o a.exr --aov albedo,normal,depth,variance --stats a.json
+  metrolux render scene.xml -o a.exr -o a.png --denoise   # a.png without noise, a.exr with both
   metrolux render scene.xml -o a.exr --passes 6400 --slices 64 --only-slices 0-7 --checkpoint part0
   mpirun -n 16 metrolux render scene.xml -o a.exr --passes 6400 --slices 64
   metrolux render scene.xml --serve                    # prints the address of a page that shows it
@@ -49,6 +50,18 @@ void reportNonFinite(const std::string& statistics) {
                          count.get<uint64_t>(), technique);
 }
 
+namespace {
+
+/// What a file has of the denoised image.
+std::string denoisedNote(const fs::path& file, const std::string& statistics) {
+    const std::string denoiser = nlohmann::json::parse(statistics).value("denoiser", "");
+    if (denoiser.empty()) return "";
+    return OutputSet::isPicture(file) ? fmt::format(", denoised by {}", denoiser)
+                                      : fmt::format(", with the layer {} by {}", kDenoisedLayer, denoiser);
+}
+
+}  // namespace
+
 int conclude(const metrolux::Outcome& outcome, const std::string& statistics, const RenderArguments& a) {
     bool lost = !outcome.failures.empty();
     for (const std::string& failure : outcome.failures) spdlog::error("{}", failure);
@@ -70,7 +83,8 @@ int conclude(const metrolux::Outcome& outcome, const std::string& statistics, co
         spdlog::warn("interrupted before the first pass: nothing was written");
         return kInterrupted;
     }
-    for (const std::string& file : a.outputs) spdlog::info("wrote {}", file);
+    for (const std::string& file : a.outputs)
+        spdlog::info("wrote {}{}", file, denoises(a) ? denoisedNote(file, statistics) : "");
     if (outcome.reason == metrolux::StopReason::Full)
         spdlog::warn("ended after {} passes, the most that a rendering can have", outcome.passes);
     if (outcome.reason != metrolux::StopReason::Interrupted) return kDone;

@@ -7,6 +7,8 @@
 #include "base/error.h"
 #include "image/atomic_file.h"
 
+#include <algorithm>
+
 namespace metrolux::core::app {
 
 namespace fs = std::filesystem;
@@ -29,10 +31,14 @@ void addOutputOptions(CLI::App& app, RenderArguments& a) {
         ->check(CLI::IsMember({"srgb", "filmic"}))
         ->group(group);
     app.add_option("--aov", a.session.layers,
-                   "Layers to add to EXR files, of albedo, normal, depth, variance, alpha")
+                   "Layers to add to EXR files, of albedo, normal, depth, variance, alpha, denoised")
         ->option_text("NAME,...")
         ->delimiter(',')
         ->allow_extra_args(false)
+        ->group(group);
+    app.add_flag("--denoise", a.denoise,
+                 "Take the noise out at the end: a layer `denoised` of EXR files, beside the plain image, and\n"
+                 "what PNG files show (docs/reference/denoising.md)")
         ->group(group);
     app.add_option("--stats", a.stats, "JSON file for statistics")->option_text("FILE")->group(group);
     app.add_flag("--overwrite", a.files.overwrite,
@@ -227,7 +233,13 @@ CommonOptions commonOptions(const RenderArguments& a, const PathLimits& limits) 
     return options;
 }
 
+bool denoises(const RenderArguments& a) {
+    const std::vector<std::string>& layers = a.session.layers;
+    return std::find(layers.begin(), layers.end(), kDenoisedLayer) != layers.end();
+}
+
 void prepareOutputs(RenderArguments& a) {
+    if (a.denoise && !denoises(a)) a.session.layers.emplace_back(kDenoisedLayer);
     for (const std::string& name : a.session.layers) aovFromName(name);
     if (a.rank > 0) return;  // rank 0 writes
     a.files.images.assign(a.outputs.begin(), a.outputs.end());

@@ -28,6 +28,7 @@ struct RenderArguments {
     int rank = 0;  ///< in a team: files are written by rank 0
     std::string progress = "text";
     bool lenient = false, strict = false, quiet = false, verbose = false;
+    bool denoise = false;  ///< --denoise: a layer of the session
     bool otherBuild = false;  ///< `resume`
 };
 
@@ -59,6 +60,8 @@ void prepareAlgorithm(RenderArguments& a);
 IntegratorChoice completeAlgorithm(RenderArguments& a, const Scene& scene);
 /// What every integrator takes, on a scene with these limits.
 CommonOptions commonOptions(const RenderArguments& a, const PathLimits& limits);
+/// Whether the image is denoised, by any of the options that say so; after prepareOutputs().
+bool denoises(const RenderArguments& a);
 /// Checks what is named for output, before anything expensive begins. Throws Error.
 void prepareOutputs(RenderArguments& a);
 /// What a scene is called: its file's name, or its folder's if the file is `scene.xml`, as in collections.

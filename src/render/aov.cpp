@@ -51,8 +51,9 @@ Aov aovFromName(const std::string& name) {
     if (name == "normal") return Aov::Normal;
     if (name == "depth") return Aov::Depth;
     if (name == "variance") return Aov::Variance;
+    if (name == kDenoisedLayer) return Aov::Denoised;
     if (name == kAlphaLayer) return Aov::Alpha;
-    throw Error("unknown AOV '{}', expected albedo, normal, depth, variance or alpha", name);
+    throw Error("unknown AOV '{}', expected albedo, normal, depth, variance, alpha or denoised", name);
 }
 
 std::vector<ImageLayer> renderAovs(const Scene& scene, const std::vector<Aov>& wanted) {

@@ -14,10 +14,14 @@ enum class Aov {
     Normal,    ///< X, Y, Z: its shading normal in world space, not turned toward the camera
     Depth,     ///< Z: distance along the camera ray in scene units, mean over the rays that hit something
     Variance,  ///< Y: variance of the mean of the luminance (Film::variance)
+    Denoised,  ///< R, G, B: the image without its noise (render/denoiser.h)
     Alpha      ///< A of the image itself: share of the rays that hit something; colors are not divided by it
 };
 
-/// "albedo", "normal", "depth", "variance", "alpha". Throws Error for another name.
+/// The name of Aov::Denoised. Files of a single picture show it where it is there.
+inline constexpr const char* kDenoisedLayer = "denoised";
+
+/// "albedo", "normal", "depth", "variance", "denoised", "alpha". Throws Error for another name.
 Aov aovFromName(const std::string& name);
 
 /// Layers for albedo, normal, depth and alpha of those that are wanted, from kAovSamples jittered rays in the

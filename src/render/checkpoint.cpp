@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 /// What the file begins with; a number for each change of the format, in the machine's order of bytes.
 constexpr std::string_view kMagic = "Metrolux";
-constexpr uint32_t kFormat = 3, kForeignFormat = __builtin_bswap32(kFormat);
+constexpr uint32_t kFormat = 4, kForeignFormat = __builtin_bswap32(kFormat);
 /// Magic, format, checksum of the payload, size of the payload.
 constexpr size_t kHeaderBytes = 8 + 4 + 4 + 8;
 
@@ -136,7 +136,7 @@ void Checkpoint::serialize(Archive& archive) {
             rays.intersectRays, rays.shadowRays, rays.secondsInEmbree);
     archive(window.fullWidth, window.fullHeight, window.x, window.y, window.width, window.height);
     serializeElements(archive, nonFinite, "techniques");
-    archive(film, slices);
+    archive(film, denoising, slices);
 }
 
 fs::path previousCheckpoint(const fs::path& file) { return file.string() + ".1"; }

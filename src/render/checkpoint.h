@@ -30,6 +30,7 @@ struct Checkpoint {
     TechniqueCounts nonFinite{};  ///< Integrator::nonFinite so far
     FilmWindow window;
     std::string film;                ///< Film::saveState
+    std::string denoising;           ///< saveState of a DenoisingState; empty unless the image is denoised
     std::vector<SliceState> slices;  ///< that have passes
 
     template <class Archive>

@@ -26,6 +26,7 @@ void PartMerger::add(const std::string& name, const Checkpoint& part) {
         StateReader reader(part.film);
         film.loadState(reader);
         reader.checkEnd();
+        addHalves(part);
     } catch (const Error& problem) {
         throw Error("checkpoint '{}' is damaged: {}", name, problem.what());
     }
@@ -33,6 +34,16 @@ void PartMerger::add(const std::string& name, const Checkpoint& part) {
     nonFinite_ += part.nonFinite;
     seconds_ += part.seconds;
     rays_ += part.rays;
+}
+
+/// Identities say that all parts have halves, or none.
+void PartMerger::addHalves(const Checkpoint& part) {
+    if (!identity_.contains(kHalvesKey)) return;
+    DenoisingState state = DenoisingState::parse(part.denoising, film_->sums().size());
+    if (denoising_)
+        denoising_->halves.add(state.halves);
+    else
+        denoising_ = std::move(state);
 }
 
 void PartMerger::addSlices(const std::string& name, const Checkpoint& part) {

@@ -1,10 +1,12 @@
 #pragma once
 #include "image/film.h"
 #include "render/checkpoint.h"
+#include "render/denoiser.h"
 
 #include <nlohmann/json.hpp>
 
 #include <map>
+#include <optional>
 
 namespace metrolux::core {
 
@@ -18,6 +20,8 @@ class PartMerger {
 
     /// After the first add(): mean over all passes, so that each part weighs as many as it has.
     const Film& film() const { return *film_; }
+    /// Null where the parts have none, as they were rendered without denoising.
+    const DenoisingState* denoising() const { return denoising_ ? &*denoising_ : nullptr; }
     const nlohmann::json& identity() const { return identity_; }
     double seconds() const { return seconds_; }  ///< of all parts
     const RayStatistics& rays() const { return rays_; }
@@ -30,10 +34,12 @@ class PartMerger {
     std::vector<uint32_t> missing() const;
 
   private:
+    void addHalves(const Checkpoint& part);
     void addSlices(const std::string& name, const Checkpoint& part);
     std::string firstName_;
     nlohmann::json identity_;
     std::unique_ptr<Film> film_;
+    std::optional<DenoisingState> denoising_;
     int exponent_ = 0;
     bool hasOtherBuilds_ = false;
     double seconds_ = 0;

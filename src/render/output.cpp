@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "image/atomic_file.h"
+#include "render/aov.h"
 
 #include <fmt/format.h>
 
@@ -101,10 +102,17 @@ OutputSet::OutputSet(std::vector<fs::path> files, const Display& display, bool o
     checkDistinct(named, {});
 }
 
+bool OutputSet::isPicture(const fs::path& file) { return lowerExtension(file) == ".png"; }
+
 std::string OutputSet::encoded(const fs::path& file, const RenderedFrame& frame) const {
-    return lowerExtension(file) == ".exr"
-               ? encodeExr(frame.image, frame.layers, frame.metadata)
-               : encodePng(frame.image, display_.exposure, display_.curve, frame.metadata);
+    if (!isPicture(file)) return encodeExr(frame.image, frame.layers, frame.metadata);
+    const auto denoised = std::find_if(frame.layers.begin(), frame.layers.end(),
+                                       [](const ImageLayer& layer) { return layer.name == kDenoisedLayer; });
+    if (denoised == frame.layers.end())
+        return encodePng(frame.image, display_.exposure, display_.curve, frame.metadata);
+    ImageData image = frame.image;
+    image.pixels = denoised->pixels;
+    return encodePng(image, display_.exposure, display_.curve, frame.metadata);
 }
 
 std::vector<std::string> OutputSet::write(const RenderedFrame& frame) const {

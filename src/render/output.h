@@ -14,6 +14,7 @@ struct RenderedFrame {
     ImageData image;
     std::vector<ImageLayer> layers;
     Metadata metadata;
+    std::vector<std::string> warnings = {};  ///< of what is not as it was asked for
 };
 
 /// The place of a window; none for the whole image.
@@ -29,7 +30,8 @@ struct NamedOutput {
 /// output costs an input. Sees through relative names, symbolic and hard links.
 void checkDistinct(std::span<const NamedOutput> outputs, std::span<const std::filesystem::path> inputs);
 
-/// The image files of a session: EXR with everything, PNG for looking at.
+/// The image files of a session: EXR with everything, PNG for looking at. A PNG shows the layer
+/// kDenoisedLayer where there is one.
 class OutputSet {
   public:
     struct Display {
@@ -53,6 +55,8 @@ class OutputSet {
     /// (`metrolux-rescue-NAME`, `metrolux-rescue-1-NAME` ...) and replaces nothing.
     RescueResult writeOrRescue(const RenderedFrame& frame) const;
 
+    /// Whether the file is for looking at: a PNG.
+    static bool isPicture(const std::filesystem::path& file);
     const std::vector<std::filesystem::path>& files() const { return files_; }
 
   private:

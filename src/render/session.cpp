@@ -78,7 +78,12 @@ RenderSession::RenderSession(std::shared_ptr<const Scene> scene, SessionOptions 
       options_(std::move(options)),
       parameters_(std::move(parameters)),
       film_(makeFilm(*scene_)),
-      integrator_(std::move(make), options_.slices) {}
+      integrator_(std::move(make), options_.slices) {
+    if (std::find(options_.aovs.begin(), options_.aovs.end(), Aov::Denoised) == options_.aovs.end()) return;
+    checkDenoiser();
+    halves_ = std::make_shared<HalfSums>(static_cast<size_t>(film_.pixelCount()));
+    integrator_.keepHalves(halves_);
+}
 
 nlohmann::json RenderSession::algorithmIdentity() const {
     const CommonOptions& o = options_.common;
@@ -103,6 +108,7 @@ nlohmann::json RenderSession::identity() const {
                             {kBuildKey, buildIdentity(scene_->intersector())}};
     if (const int exponent = scene_->emissionExponent(); exponent != 0)
         identity[kEmissionExponentKey] = exponent;
+    if (denoises()) identity[kHalvesKey] = true;
     return identity;
 }
 
@@ -123,6 +129,7 @@ void RenderSession::restore(Checkpoint checkpoint, bool otherBuild) {
     StateReader reader(checkpoint.film);
     film_.loadState(reader);
     reader.checkEnd();
+    if (denoises()) *halves_ = DenoisingState::parse(checkpoint.denoising, film_.sums().size()).halves;
     nonFiniteBefore_ = checkpoint.nonFinite;
     raysBefore_ = checkpoint.rays;
 }
@@ -130,7 +137,16 @@ void RenderSession::restore(Checkpoint checkpoint, bool otherBuild) {
 const std::vector<ImageLayer>& RenderSession::cameraLayers() {
     if (!cameraLayers_) {
         const double start = steadySeconds();
-        cameraLayers_ = renderAovs(*scene_, options_.aovs);
+        std::vector<Aov> rendered = options_.aovs;
+        if (denoises()) rendered.insert(rendered.end(), {Aov::Albedo, Aov::Normal, Aov::Depth});
+        cameraLayers_ = renderAovs(*scene_, rendered);
+        if (denoises()) {
+            features_ = featuresOf(*cameraLayers_);
+            std::erase_if(*cameraLayers_, [&](const ImageLayer& layer) {
+                return std::find(options_.aovs.begin(), options_.aovs.end(), aovFromName(layer.name)) ==
+                       options_.aovs.end();
+            });
+        }
         secondsForAovs_ = steadySeconds() - start;
     }
     return *cameraLayers_;
@@ -141,6 +157,11 @@ std::vector<ImageLayer> RenderSession::takeCameraLayers() {
     std::vector<ImageLayer> result = *std::move(cameraLayers_);
     cameraLayers_.reset();
     return result;
+}
+
+const DenoisingFeatures& RenderSession::features() {
+    if (features_.empty()) cameraLayers_.reset(), cameraLayers();
+    return features_;
 }
 
 RenderSession::Run RenderSession::begin(const RunOptions& options, const RunHooks& hooks) {
@@ -159,7 +180,7 @@ RenderSession::Run RenderSession::begin(const RunOptions& options, const RunHook
         if (const std::filesystem::path& file = options.checkpoint.file; !file.empty())
             run.locks.emplace_back(fmt::format("checkpoint '{}'", file.string()), file);
         if (!options.checkpoint.file.empty()) checkWritable(options.checkpoint.file);
-        if (!options.outputs.empty()) cameraLayers();
+        if (!options.outputs.empty() || (denoises() && !options.checkpoint.file.empty())) cameraLayers();
         if (!options.checkpoint.file.empty()) removeLeftovers(options.checkpoint.file);
         for (const std::filesystem::path& output : options.outputs) removeLeftovers(output);
     }
@@ -215,23 +236,30 @@ PassReport RenderSession::report() const {
 }
 
 RenderSession::Snapshot RenderSession::here(const PassReport& report) const {
-    return {film_, report, nonFinite(), rays(), [this] { return integrator_.states(); }};
+    if (halves_) halves_->close(film_);
+    return {film_,       halves_.get(), report,
+            nonFinite(), rays(),        [this] { return integrator_.states(); }};
 }
 
 double RenderSession::raysPerSecond() const { return core::raysPerSecond(rays(), secondsBefore_); }
 nlohmann::json RenderSession::statistics() const { return statistics(here(report()), lastReason_); }
-RenderedFrame RenderSession::frame() { return frame(here(report())); }
-Checkpoint RenderSession::checkpoint(const RunOptions& options) const {
+RenderedFrame RenderSession::frame() { return frame(here(report()), Denoising::Done); }
+Checkpoint RenderSession::checkpoint(const RunOptions& options) {
     return checkpoint(options, here(report()));
 }
 
 void RenderSession::conclude(Run& run, const Snapshot& end, SessionResult& result) {
     result.passes = end.film.passes();
+    if (result.passes > 0) {
+        saveCheckpoint(run, end);
+        result.checkpointFailure = run.checkpointFailure;
+        if (!run.outputs.files().empty()) {
+            const RenderedFrame image = frame(end, Denoising::Done);
+            for (const std::string& warning : image.warnings) run.warn(warning);
+            result.written = run.outputs.writeOrRescue(image);
+        }
+    }
     result.statistics = statistics(end, result.reason);
-    if (result.passes == 0) return;
-    saveCheckpoint(run, end);
-    result.checkpointFailure = run.checkpointFailure;
-    if (!run.outputs.files().empty()) result.written = run.outputs.writeOrRescue(frame(end));
 }
 
 void RenderSession::saveWhatIsDue(Run& run, const Snapshot& now) {
@@ -239,7 +267,7 @@ void RenderSession::saveWhatIsDue(Run& run, const Snapshot& now) {
     if (!(run.options.saveEvery > 0) || now.report.seconds < run.nextSave || run.outputs.files().empty())
         return;
     run.nextSave = now.report.seconds + run.options.saveEvery;
-    for (const std::string& failure : run.outputs.write(frame(now)))
+    for (const std::string& failure : run.outputs.write(frame(now, Denoising::Skipped)))
         run.warn("intermediate image: " + failure);
 }
 
@@ -256,7 +284,7 @@ void RenderSession::saveCheckpoint(Run& run, const Snapshot& now) {
     }
 }
 
-Checkpoint RenderSession::checkpoint(const RunOptions& options, const Snapshot& now) const {
+Checkpoint RenderSession::checkpoint(const RunOptions& options, const Snapshot& now) {
     Checkpoint c;
     c.version = options_.version;
     c.command = options.checkpoint.command;
@@ -271,6 +299,10 @@ Checkpoint RenderSession::checkpoint(const RunOptions& options, const Snapshot& 
     StateWriter writer;
     now.film.saveState(writer);
     c.film = writer.take();
+    if (now.halves) {
+        features();
+        c.denoising = saveState(DenoisingState{*now.halves, features_});
+    }
     c.slices = now.slices();
     return c;
 }
@@ -287,7 +319,12 @@ RayStatistics RenderSession::rays() const {
     return rays += Intersector::statistics() - counterStart_;
 }
 
-RenderedFrame RenderSession::frame(const Snapshot& now) {
+DenoisedImage RenderSession::denoised() {
+    const Snapshot now = here(report());
+    return denoise(now.film, *now.halves, features());
+}
+
+RenderedFrame RenderSession::frame(const Snapshot& now, Denoising denoising) {
     RenderedFrame frame;
     const PassReport& report = now.report;
     frame.image = {now.film.width(), now.film.height(), 3, now.film.image(), placeOf(now.film.window())};
@@ -310,6 +347,15 @@ RenderedFrame RenderSession::frame(const Snapshot& now) {
         frame.metadata.emplace_back("worldToCamera",
                                     fromFile(matrices->worldToCamera, scene_->parts().origin));
         frame.metadata.emplace_back("worldToNDC", fromFile(matrices->worldToNdc, scene_->parts().origin));
+    }
+    if (denoises() && denoising == Denoising::Done) {
+        const double start = steadySeconds();
+        DenoisedImage denoised = denoise(now.film, *now.halves, features());
+        secondsForDenoising_ = steadySeconds() - start;
+        denoiser_ = denoised.denoiser;
+        frame.layers.push_back(std::move(denoised.layer));
+        frame.warnings = std::move(denoised.warnings);
+        frame.metadata.emplace_back("metrolux:denoiser", denoiser_);
     }
     if (std::isfinite(report.relativeError))
         frame.metadata.emplace_back("metrolux:relativeError", report.relativeError);
@@ -341,6 +387,8 @@ nlohmann::json RenderSession::statistics(const Snapshot& now, std::optional<Stop
         {"passes", report.passes},
         {"seconds", seconds},
         {"seconds_for_aovs", secondsForAovs_},
+        {"seconds_for_denoising", secondsForDenoising_},
+        {"denoiser", denoiser_},
         {"relative_error", numberOrNull(report.passes > 0 ? report.relativeError : kInfinity)},
         {"rays",
          {{"intersect", traced.intersectRays},

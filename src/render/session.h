@@ -5,6 +5,7 @@
 #include "integrators/scene_choice.h"
 #include "render/aov.h"
 #include "render/checkpoint.h"
+#include "render/denoiser.h"
 #include "render/output.h"
 #include "render/pass_loop.h"
 #include "render/slices.h"
@@ -97,7 +98,7 @@ class RenderSession {
     /// `otherBuild`: of another build too, whose last bits could differ.
     void restore(Checkpoint checkpoint, bool otherBuild = false);
     /// The state between two passes. `options` name what a later process needs to know.
-    Checkpoint checkpoint(const RunOptions& options) const;
+    Checkpoint checkpoint(const RunOptions& options);
 
     // What has been rendered so far.
     const Scene& scene() const { return *scene_; }
@@ -108,12 +109,14 @@ class RenderSession {
     double raysPerSecond() const;
     std::string progressNote() const { return integrator_.progressNote(); }
     nlohmann::json statistics() const;
-    /// The image with its layers and metadata.
+    /// The image with its layers and metadata. Denoised if options().aovs says so.
     RenderedFrame frame();
     /// Layers of the camera's first surfaces, of those that options().aovs names; rendered at the first call.
     const std::vector<ImageLayer>& cameraLayers();
     /// The same to take away; a later call renders them again.
     std::vector<ImageLayer> takeCameraLayers();
+    /// Without its noise; options().aovs names Aov::Denoised.
+    DenoisedImage denoised();
 
   private:
     RenderSession(const std::shared_ptr<const Scene>& scene, const SessionOptions& options,
@@ -123,6 +126,7 @@ class RenderSession {
     /// What has been rendered, by this process or by a team.
     struct Snapshot {
         const Film& film;
+        const HalfSums* halves;  ///< closed; null if they are not kept
         PassReport report;
         TechniqueCounts nonFinite;
         RayStatistics rays;
@@ -143,12 +147,16 @@ class RenderSession {
     Run begin(const RunOptions& options, const RunHooks& hooks);
     void end(double seconds);
     Snapshot here(const PassReport& report) const;
-    RenderedFrame frame(const Snapshot& now);
+    /// Denoising takes seconds: intermediate images go without.
+    enum class Denoising { Skipped, Done };
+    RenderedFrame frame(const Snapshot& now, Denoising denoising);
+    const DenoisingFeatures& features();
+    bool denoises() const { return halves_ != nullptr; }
     nlohmann::json statistics(const Snapshot& now, std::optional<StopReason> reason) const;
     void saveWhatIsDue(Run& run, const Snapshot& now);
     void saveCheckpoint(Run& run, const Snapshot& now);
     void conclude(Run& run, const Snapshot& end, SessionResult& result);
-    Checkpoint checkpoint(const RunOptions& options, const Snapshot& now) const;
+    Checkpoint checkpoint(const RunOptions& options, const Snapshot& now);
     void shareSlices(Team& team, const RenderLimits& limits);
     void report(Run& run, const TeamResult& all, double seconds, SessionResult& result);
     std::unique_ptr<Film> merged(const TeamResult& result) const;
@@ -161,8 +169,11 @@ class RenderSession {
     mutable std::optional<nlohmann::json> sceneIdentity_;  ///< files are read once for it
     Film film_;
     SlicedIntegrator integrator_;
+    std::shared_ptr<HalfSums> halves_;  ///< null: not denoised
     std::optional<std::vector<ImageLayer>> cameraLayers_;
-    double secondsForAovs_ = 0;
+    DenoisingFeatures features_;  ///< empty until they are needed
+    std::string denoiser_;        ///< of the last denoised image
+    double secondsForAovs_ = 0, secondsForDenoising_ = 0;
     double secondsBefore_ = 0;           ///< of the runs and processes before
     TechniqueCounts nonFiniteBefore_{};  ///< of the processes before
     RayStatistics raysBefore_, counterStart_;

@@ -76,7 +76,9 @@ SessionResult RenderSession::runTogether(Team& team, const RunOptions& options, 
         }
         std::vector<SliceState> own;
         if (keepsSlices && team.rank() > 0) own = integrator_.states(true);
-        const TeamResult all = team.meet({film_, std::move(own), nonFinite(), rays(), working, stopped});
+        if (halves_) halves_->close(film_);
+        const TeamResult all =
+            team.meet({film_, halves_.get(), std::move(own), nonFinite(), rays(), working, stopped});
         nextMeeting = seconds() + interval;
         stopped = all.interrupted;
         result.reason = stopped                               ? StopReason::Interrupted
@@ -92,6 +94,11 @@ SessionResult RenderSession::runTogether(Team& team, const RunOptions& options, 
 /// Rank 0, after a meeting.
 void RenderSession::report(Run& run, const TeamResult& all, double seconds, SessionResult& result) {
     const std::unique_ptr<Film> film = merged(all);
+    std::unique_ptr<HalfSums> halves;
+    if (halves_) {
+        halves = std::make_unique<HalfSums>(all.halves.size());
+        halves->add(all.halves, all.firstPasses);
+    }
     const auto slices = [&] {
         std::map<uint32_t, SliceState> states;
         for (SliceState& s : integrator_.states()) states[s.index] = std::move(s);
@@ -101,7 +108,7 @@ void RenderSession::report(Run& run, const TeamResult& all, double seconds, Sess
         return list;
     };
     const Snapshot now{
-        *film, {film->passes(), seconds, film->relativeError(), -1}, all.nonFinite, all.rays, slices};
+        *film, halves.get(), {film->passes(), seconds, film->relativeError(), -1}, all.nonFinite, all.rays, slices};
     if (all.working)
         saveWhatIsDue(run, now);
     else

@@ -84,6 +84,8 @@ bool SlicedIntegrator::advance() {
 void SlicedIntegrator::addPass(Film& film, uint32_t) {
     if (!advance()) throw Error("no slice of this rendering has passes left");
     Slice& slice = at(*alive_);
+    // Odd slices begin with the second half, so that slices of one pass make both.
+    if (halves_) halves_->enter(isOfFirstHalf(slice.passes) == (*alive_ % 2 == 0), film);
     integrator_->addPass(film, slice.passes);
     ++slice.passes;
     ++turn_;

@@ -2,6 +2,7 @@
 /// A rendering divided into independent slices of passes, which need each other only when their films are
 /// summed.
 
+#include "image/half_sums.h"
 #include "integrators/integrator.h"
 
 #include <functional>
@@ -18,6 +19,8 @@ inline constexpr uint32_t kMostSlices = 1 << 20;
 inline constexpr const char* kSliceCountKey = "streams";
 /// buildIdentity(), of a checkpoint.
 inline constexpr const char* kBuildKey = "build";
+/// Whether the halves of the passes are kept, there if they are.
+inline constexpr const char* kHalvesKey = "halves";
 /// Film::exponent(), there unless it is 0.
 inline constexpr const char* kEmissionExponentKey = "emission_exponent";
 
@@ -59,6 +62,10 @@ class SlicedIntegrator final : public Integrator {
     /// Of the rendering, all slices together; 0: no limit.
     void setTotalPasses(uint32_t passes) { totalPasses_ = passes; }
 
+    /// Keeps apart two halves of the passes, too. A half has whole passes of a slice: it is the same however slices
+    /// are divided.
+    void keepHalves(std::shared_ptr<HalfSums> halves) { halves_ = std::move(halves); }
+
     /// In place of the order of slices (ranks of MPI share them).
     void setNext(Next next) { next_ = std::move(next); }
     /// Whether the slice has passes left.
@@ -93,6 +100,7 @@ class SlicedIntegrator final : public Integrator {
 
     Make make_;
     Next next_;
+    std::shared_ptr<HalfSums> halves_;  ///< null: not kept
     SliceChoice choice_;
     uint32_t totalPasses_, turn_ = 0;
     std::vector<Slice> slices_;

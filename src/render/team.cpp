@@ -35,6 +35,7 @@ class TeamOfRanks final : public Team {
         result.working = ranks_->any(report.working);
         result.interrupted = ranks_->any(report.interrupted);
         sumFilm(report.film, result);
+        if (report.halves) sumHalves(*report.halves, result);
         ranks_->sum(report.nonFinite.data(), result.nonFinite.data(), static_cast<int>(kTechniques));
         std::array<uint64_t, 2> rays{report.rays.intersectRays, report.rays.shadowRays}, allRays{};
         ranks_->sum(rays.data(), allRays.data(), 2);
@@ -59,9 +60,10 @@ class TeamOfRanks final : public Team {
     void abort(int status) override { ranks_->abort(status); }
 
   private:
+    template <class Pixel>
     static void addPixels(const void* in, void* inOut, int count) {
-        const auto* from = static_cast<const PixelSum*>(in);
-        auto* to = static_cast<PixelSum*>(inOut);
+        const auto* from = static_cast<const Pixel*>(in);
+        auto* to = static_cast<Pixel*>(inOut);
         for (int i = 0; i < count; ++i) to[i] += from[i];
     }
 
@@ -69,9 +71,18 @@ class TeamOfRanks final : public Team {
         const auto sums = film.sums();
         if (rank() == 0) result.sums.resize(sums.size());
         ranks_->sumRecords(sums.data(), result.sums.data(), static_cast<int>(sums.size()), sizeof(PixelSum),
-                           &addPixels);
+                           &addPixels<PixelSum>);
         const uint32_t passes = film.passes();
         ranks_->sum(&passes, &result.passes, 1);
+    }
+
+    void sumHalves(const HalfSums& halves, TeamResult& result) const {
+        const auto pixels = halves.pixels();
+        if (rank() == 0) result.halves.resize(pixels.size());
+        ranks_->sumRecords(pixels.data(), result.halves.data(), static_cast<int>(pixels.size()), sizeof(PixelHalf),
+                           &addPixels<PixelHalf>);
+        const uint32_t passes = halves.firstPasses();
+        ranks_->sum(&passes, &result.firstPasses, 1);
     }
 
     /// One rank after the other, so that rank 0 holds one message at a time besides the result.

@@ -14,6 +14,8 @@ namespace metrolux::core {
 /// What the processes have rendered, summed; complete on rank 0, elsewhere only the flags are set.
 struct TeamResult {
     std::vector<PixelSum> sums;
+    std::vector<PixelHalf> halves;   ///< of the first half, if it is kept
+    uint32_t firstPasses = 0;        ///< of the first half
     std::vector<SliceState> slices;  ///< of the other ranks, if they were asked for
     TechniqueCounts nonFinite{};
     RayStatistics rays;
@@ -32,6 +34,7 @@ class Team {
     /// What a process brings to a meeting.
     struct Report {
         const Film& film;
+        const HalfSums* halves;  ///< closed; null if they are not kept
         std::vector<SliceState> slices;
         TechniqueCounts nonFinite;
         RayStatistics rays;

@@ -22,7 +22,8 @@ core::RenderedFrame frameOf(const core::PartMerger& merger, const std::vector<st
             frame.layers.push_back(core::varianceLayer(film));
         } else if (aov == core::Aov::Denoised) {
             if (!merger.denoising())
-                throw core::Error("--denoise: the parts have no halves of their passes, render them with --denoise");
+                throw core::Error(
+                    "--denoise: the parts have no halves of their passes, render them with --denoise");
             const core::DenoisingState& state = *merger.denoising();
             core::DenoisedImage denoised = core::denoise(film, state.halves, state.features);
             frame.layers.push_back(std::move(denoised.layer));

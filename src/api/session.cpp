@@ -245,7 +245,8 @@ void Session::save(const std::filesystem::path& checkpoint) const {
     Files files;
     files.checkpoint = checkpoint;
     core::checkDistinct(core::api::namedOutputs(files), Internals::of(impl_->scene).files);
-    core::writeCheckpoint(checkpoint, impl_->workers.execute([this] { return impl_->session->checkpoint({}); }));
+    core::writeCheckpoint(checkpoint,
+                          impl_->workers.execute([this] { return impl_->session->checkpoint({}); }));
 }
 
 void Session::resume(const std::filesystem::path& checkpoint, bool otherBuild) {

@@ -36,9 +36,10 @@ void addOutputOptions(CLI::App& app, RenderArguments& a) {
         ->delimiter(',')
         ->allow_extra_args(false)
         ->group(group);
-    app.add_flag("--denoise", a.denoise,
-                 "Take the noise out at the end: a layer `denoised` of EXR files, beside the plain image, and\n"
-                 "what PNG files show (docs/reference/denoising.md)")
+    app.add_flag(
+           "--denoise", a.denoise,
+           "Take the noise out at the end: a layer `denoised` of EXR files, beside the plain image, and\n"
+           "what PNG files show (docs/reference/denoising.md)")
         ->group(group);
     app.add_option("--stats", a.stats, "JSON file for statistics")->option_text("FILE")->group(group);
     app.add_flag("--overwrite", a.files.overwrite,

@@ -28,7 +28,7 @@ struct RenderArguments {
     int rank = 0;  ///< in a team: files are written by rank 0
     std::string progress = "text";
     bool lenient = false, strict = false, quiet = false, verbose = false;
-    bool denoise = false;  ///< --denoise: a layer of the session
+    bool denoise = false;     ///< --denoise: a layer of the session
     bool otherBuild = false;  ///< `resume`
 };
 

@@ -7,10 +7,10 @@
 
 namespace metrolux::core {
 
-/// Whether a pass belongs to the first of two halves of a rendering. The halves alternate in blocks that grow with
-/// the number of passes: A, B, BA, ABBA, AABBBBAA ... A half has between a third and two thirds of any number of
-/// passes from two on, and half of them at powers of two. Neighboring passes of a chain resemble each other; only
-/// at the borders of blocks does one half know of the other.
+/// Whether a pass belongs to the first of two halves of a rendering. The halves alternate in blocks that grow
+/// with the number of passes: A, B, BA, ABBA, AABBBBAA ... A half has between a third and two thirds of any
+/// number of passes from two on, and half of them at powers of two. Neighboring passes of a chain resemble
+/// each other; only at the borders of blocks does one half know of the other.
 bool isOfFirstHalf(uint32_t pass);
 
 /// The sums of one pixel where runs of passes of the first half have begun and ended: their difference is the
@@ -27,8 +27,8 @@ struct PixelHalf {
     }
 };
 
-/// Keeps apart what the two halves of the passes have added to a film: two images of independent noise, from which
-/// a filter learns how far to trust each. The film itself is only read.
+/// Keeps apart what the two halves of the passes have added to a film: two images of independent noise, from
+/// which a filter learns how far to trust each. The film itself is only read.
 class HalfSums {
   public:
     explicit HalfSums(size_t pixels) : pixels_(pixels) {}

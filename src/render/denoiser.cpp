@@ -6,17 +6,10 @@
 #include "render/aov.h"
 #include "render/open_image_denoise.h"
 
-#include <algorithm>
+#include <cmath>
 
 namespace metrolux::core {
 namespace {
-
-const std::vector<float>& pixelsOf(const std::vector<ImageLayer>& layers, const char* name) {
-    const auto layer =
-        std::find_if(layers.begin(), layers.end(), [&](const ImageLayer& l) { return l.name == name; });
-    if (layer == layers.end()) throw Error("denoising: found no layer {}", name);
-    return layer->pixels;
-}
 
 /// Features of a file that somebody made may be anything.
 std::vector<float> finite(std::vector<float> values) {
@@ -27,17 +20,14 @@ std::vector<float> finite(std::vector<float> values) {
 
 }  // namespace
 
-DenoisingFeatures featuresOf(const std::vector<ImageLayer>& layers) {
-    return {pixelsOf(layers, "albedo"), pixelsOf(layers, "normal"), pixelsOf(layers, "depth")};
-}
-
 DenoisingState DenoisingState::parse(const std::string& bytes, size_t pixels) {
     DenoisingState state{HalfSums(pixels), {}};
     loadState(bytes, state);
     DenoisingFeatures& f = state.features;
-    checkState(f.albedo.size() == 3 * pixels && f.normal.size() == 3 * pixels && f.depth.size() == pixels,
-               "features of all pixels");
-    f = {finite(std::move(f.albedo)), finite(std::move(f.normal)), finite(std::move(f.depth))};
+    checkState(
+        f.albedo.size() == 3 * pixels && f.normal.size() == 3 * pixels && f.inverseDistance.size() == pixels,
+        "features of all pixels");
+    f = {finite(std::move(f.albedo)), finite(std::move(f.normal)), finite(std::move(f.inverseDistance))};
     return state;
 }
 
@@ -47,7 +37,8 @@ DenoisedImage denoise(const Film& film, const HalfSums& halves, const DenoisingF
     DenoisedImage result{{kDenoisedLayer, {"R", "G", "B"}, {}}, kOwn, {}};
     try {
         if (const auto library = OpenImageDenoise::load()) {
-            result.layer.pixels = library->denoise({film.width(), film.height(), color, features.albedo, features.normal});
+            result.layer.pixels =
+                library->denoise({film.width(), film.height(), color, features.albedo, features.normal});
             result.denoiser = library->name();
             return result;
         }
@@ -57,15 +48,16 @@ DenoisedImage denoise(const Film& film, const HalfSums& halves, const DenoisingF
     }
     if (halves.firstPasses() == 0 || halves.firstPasses() >= film.passes()) {
         result.warnings.emplace_back(
-            "--denoise: the noise of one pass is not known, expected two at least: the image is as it was rendered");
+            "--denoise: the noise of one pass is not known, expected two at least: the image is as it was "
+            "rendered");
         result.layer.pixels = color;
         return result;
     }
     const auto [first, second] = halves.means(film);
     const std::vector<float> variance = film.variance();
-    result.layer.pixels = denoise(NoisyImage{film.width(), film.height(), color, first, second, variance,
-                                             halves.firstPasses(), film.passes(), features.albedo, features.normal,
-                                             features.depth});
+    result.layer.pixels =
+        denoise(NoisyImage{film.width(), film.height(), color, first, second, variance, halves.firstPasses(),
+                           film.passes(), features.albedo, features.normal, features.inverseDistance});
     return result;
 }
 

@@ -1,32 +1,18 @@
 #pragma once
-/// Taking the noise out of what a session has rendered: by Open Image Denoise where it is installed, and by a filter of
-/// our own elsewhere.
+/// Taking the noise out of what a session has rendered: by Open Image Denoise where it is installed, and by a
+/// filter of our own elsewhere.
 
 #include "image/half_sums.h"
 #include "image/image_io.h"
-#include "scene/scene.h"
+#include "render/features.h"
 
 #include <string>
 #include <vector>
 
 namespace metrolux::core {
 
-/// What a filter knows of the first surfaces, of each pixel of the film: layers of renderAovs().
-struct DenoisingFeatures {
-    std::vector<float> albedo, normal;  ///< 3 a pixel
-    std::vector<float> depth;           ///< 1 a pixel
-    bool empty() const { return depth.empty(); }
-
-    template <class Archive>
-    void serialize(Archive& archive) {
-        archive(albedo, normal, depth);
-    }
-};
-/// Of layers that have all three.
-DenoisingFeatures featuresOf(const std::vector<ImageLayer>& layers);
-
-/// What a checkpoint keeps for the filter. Parts of a rendering are merged without its scene, so that the features are
-/// in it too.
+/// What a checkpoint keeps for the filter. Parts of a rendering are merged without its scene, so that the
+/// features are in it too.
 struct DenoisingState {
     HalfSums halves;
     DenoisingFeatures features;
@@ -47,8 +33,8 @@ struct DenoisedImage {
 /// Needs the scene no more. `halves` is closed.
 DenoisedImage denoise(const Film& film, const HalfSums& halves, const DenoisingFeatures& features);
 
-/// Throws Error when a library was named for denoising that cannot be used, so that a rendering need not end to find
-/// out.
+/// Throws Error when a library was named for denoising that cannot be used, so that a rendering need not end
+/// to find out.
 void checkDenoiser();
 
 }  // namespace metrolux::core

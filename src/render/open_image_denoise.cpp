@@ -13,8 +13,8 @@ namespace {
 
 constexpr const char* kVariable = "METROLUX_OIDN";
 
-// What is needed of the C API (OpenImageDenoise/oidn.h), which is stable within a version. Version 2 has other names for
-// some functions of version 1.
+// What is needed of the C API (OpenImageDenoise/oidn.h), which is stable within a version. Version 2 has
+// other names for some functions of version 1.
 using Handle = void*;
 constexpr int kDeviceCpu = 1;     // OIDN_DEVICE_TYPE_CPU: devices of other types may not see our memory
 constexpr int kFormatFloat3 = 3;  // OIDN_FORMAT_FLOAT3
@@ -107,7 +107,8 @@ class LoadedLibrary final : public OpenImageDenoise {
         const auto set = [&](const char* name, const float* pixels) {
             // The library reads its inputs only; the type of the parameter serves outputs, too.
             f_.setSharedFilterImage(filter, name, const_cast<float*>(pixels), kFormatFloat3,
-                                    static_cast<size_t>(input.width), static_cast<size_t>(input.height), 0, 0, 0);
+                                    static_cast<size_t>(input.width), static_cast<size_t>(input.height), 0, 0,
+                                    0);
         };
         set("color", input.color.data());
         set("albedo", input.albedo.data());
@@ -123,7 +124,8 @@ class LoadedLibrary final : public OpenImageDenoise {
     }
 
     std::string name() const override {
-        return fmt::format("Open Image Denoise {}.{}.{}", version_ / 10000, version_ / 100 % 100, version_ % 100);
+        return fmt::format("Open Image Denoise {}.{}.{}", version_ / 10000, version_ / 100 % 100,
+                           version_ % 100);
     }
 
   private:
@@ -150,7 +152,8 @@ std::unique_ptr<OpenImageDenoise> OpenImageDenoise::load() {
         if (!library) throw Error("{}: cannot load '{}': {}", kVariable, file, dlerror());
         return std::make_unique<LoadedLibrary>(Library(library, file));
     }
-    for (const char* name : {"libOpenImageDenoise.so.2", "libOpenImageDenoise.so.1", "libOpenImageDenoise.so.0"})
+    for (const char* name :
+         {"libOpenImageDenoise.so.2", "libOpenImageDenoise.so.1", "libOpenImageDenoise.so.0"})
         if (void* library = dlopen(name, RTLD_NOW | RTLD_LOCAL))
             return std::make_unique<LoadedLibrary>(Library(library, name));
     return nullptr;

@@ -11,8 +11,9 @@ class OpenImageDenoise {
   public:
     virtual ~OpenImageDenoise() = default;
 
-    /// Null where it is not installed. The environment variable METROLUX_OIDN names the library's file, or says `off`.
-    /// Throws Error when a file that it names cannot be loaded, or a library that is found lacks a function.
+    /// Null where it is not installed. The environment variable METROLUX_OIDN names the library's file, or
+    /// says `off`. Throws Error when a file that it names cannot be loaded, or a library that is found lacks
+    /// a function.
     static std::unique_ptr<OpenImageDenoise> load();
 
     struct Input {

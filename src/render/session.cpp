@@ -137,16 +137,7 @@ void RenderSession::restore(Checkpoint checkpoint, bool otherBuild) {
 const std::vector<ImageLayer>& RenderSession::cameraLayers() {
     if (!cameraLayers_) {
         const double start = steadySeconds();
-        std::vector<Aov> rendered = options_.aovs;
-        if (denoises()) rendered.insert(rendered.end(), {Aov::Albedo, Aov::Normal, Aov::Depth});
-        cameraLayers_ = renderAovs(*scene_, rendered);
-        if (denoises()) {
-            features_ = featuresOf(*cameraLayers_);
-            std::erase_if(*cameraLayers_, [&](const ImageLayer& layer) {
-                return std::find(options_.aovs.begin(), options_.aovs.end(), aovFromName(layer.name)) ==
-                       options_.aovs.end();
-            });
-        }
+        cameraLayers_ = renderAovs(*scene_, options_.aovs);
         secondsForAovs_ = steadySeconds() - start;
     }
     return *cameraLayers_;
@@ -160,7 +151,11 @@ std::vector<ImageLayer> RenderSession::takeCameraLayers() {
 }
 
 const DenoisingFeatures& RenderSession::features() {
-    if (features_.empty()) cameraLayers_.reset(), cameraLayers();
+    if (features_.empty()) {
+        const double start = steadySeconds();
+        features_ = renderFeatures(*scene_);
+        secondsForFeatures_ = steadySeconds() - start;
+    }
     return features_;
 }
 
@@ -180,7 +175,7 @@ RenderSession::Run RenderSession::begin(const RunOptions& options, const RunHook
         if (const std::filesystem::path& file = options.checkpoint.file; !file.empty())
             run.locks.emplace_back(fmt::format("checkpoint '{}'", file.string()), file);
         if (!options.checkpoint.file.empty()) checkWritable(options.checkpoint.file);
-        if (!options.outputs.empty() || (denoises() && !options.checkpoint.file.empty())) cameraLayers();
+        if (!options.outputs.empty()) cameraLayers();
         if (!options.checkpoint.file.empty()) removeLeftovers(options.checkpoint.file);
         for (const std::filesystem::path& output : options.outputs) removeLeftovers(output);
     }
@@ -237,8 +232,7 @@ PassReport RenderSession::report() const {
 
 RenderSession::Snapshot RenderSession::here(const PassReport& report) const {
     if (halves_) halves_->close(film_);
-    return {film_,       halves_.get(), report,
-            nonFinite(), rays(),        [this] { return integrator_.states(); }};
+    return {film_, halves_.get(), report, nonFinite(), rays(), [this] { return integrator_.states(); }};
 }
 
 double RenderSession::raysPerSecond() const { return core::raysPerSecond(rays(), secondsBefore_); }
@@ -349,6 +343,7 @@ RenderedFrame RenderSession::frame(const Snapshot& now, Denoising denoising) {
         frame.metadata.emplace_back("worldToNDC", fromFile(matrices->worldToNdc, scene_->parts().origin));
     }
     if (denoises() && denoising == Denoising::Done) {
+        features();
         const double start = steadySeconds();
         DenoisedImage denoised = denoise(now.film, *now.halves, features());
         secondsForDenoising_ = steadySeconds() - start;
@@ -387,6 +382,7 @@ nlohmann::json RenderSession::statistics(const Snapshot& now, std::optional<Stop
         {"passes", report.passes},
         {"seconds", seconds},
         {"seconds_for_aovs", secondsForAovs_},
+        {"seconds_for_features", secondsForFeatures_},
         {"seconds_for_denoising", secondsForDenoising_},
         {"denoiser", denoiser_},
         {"relative_error", numberOrNull(report.passes > 0 ? report.relativeError : kInfinity)},

@@ -173,7 +173,7 @@ class RenderSession {
     std::optional<std::vector<ImageLayer>> cameraLayers_;
     DenoisingFeatures features_;  ///< empty until they are needed
     std::string denoiser_;        ///< of the last denoised image
-    double secondsForAovs_ = 0, secondsForDenoising_ = 0;
+    double secondsForAovs_ = 0, secondsForFeatures_ = 0, secondsForDenoising_ = 0;
     double secondsBefore_ = 0;           ///< of the runs and processes before
     TechniqueCounts nonFiniteBefore_{};  ///< of the processes before
     RayStatistics raysBefore_, counterStart_;

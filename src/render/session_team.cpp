@@ -107,8 +107,8 @@ void RenderSession::report(Run& run, const TeamResult& all, double seconds, Sess
         for (auto& [index, state] : states) list.push_back(std::move(state));
         return list;
     };
-    const Snapshot now{
-        *film, halves.get(), {film->passes(), seconds, film->relativeError(), -1}, all.nonFinite, all.rays, slices};
+    const Snapshot now{*film,         halves.get(), {film->passes(), seconds, film->relativeError(), -1},
+                       all.nonFinite, all.rays,     slices};
     if (all.working)
         saveWhatIsDue(run, now);
     else

@@ -62,8 +62,8 @@ class SlicedIntegrator final : public Integrator {
     /// Of the rendering, all slices together; 0: no limit.
     void setTotalPasses(uint32_t passes) { totalPasses_ = passes; }
 
-    /// Keeps apart two halves of the passes, too. A half has whole passes of a slice: it is the same however slices
-    /// are divided.
+    /// Keeps apart two halves of the passes, too. A half has whole passes of a slice: it is the same however
+    /// slices are divided.
     void keepHalves(std::shared_ptr<HalfSums> halves) { halves_ = std::move(halves); }
 
     /// In place of the order of slices (ranks of MPI share them).

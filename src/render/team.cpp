@@ -79,8 +79,8 @@ class TeamOfRanks final : public Team {
     void sumHalves(const HalfSums& halves, TeamResult& result) const {
         const auto pixels = halves.pixels();
         if (rank() == 0) result.halves.resize(pixels.size());
-        ranks_->sumRecords(pixels.data(), result.halves.data(), static_cast<int>(pixels.size()), sizeof(PixelHalf),
-                           &addPixels<PixelHalf>);
+        ranks_->sumRecords(pixels.data(), result.halves.data(), static_cast<int>(pixels.size()),
+                           sizeof(PixelHalf), &addPixels<PixelHalf>);
         const uint32_t passes = halves.firstPasses();
         ranks_->sum(&passes, &result.firstPasses, 1);
     }

@@ -55,7 +55,7 @@ struct SessionOptions {
     std::optional<int> maxDepth;  ///< path edges, in place of the scene's limit; -1: no limit
     std::uint64_t memory =
         kDefaultMemory;               ///< bytes that an iteration may store; more of them a pass for less
-    std::vector<std::string> layers;  ///< of albedo, normal, depth, variance, alpha
+    std::vector<std::string> layers;  ///< of albedo, normal, depth, variance, alpha, denoised
     Slices slices;
     int threads = 0;  ///< 0: one for each core
 };
@@ -174,7 +174,7 @@ class METROLUX_API Session {
 };
 
 /// Joins checkpoints of slices that were rendered apart and writes the image: to the bit that of one process
-/// which renders them all. `layers`: none or variance. Slices that are missing are warned of. Throws Error
+/// which renders them all. `layers`: of variance and denoised. Slices that are missing are warned of. Throws Error
 /// for parts that overlap or belong to different renderings.
 struct Merged {
     Outcome outcome;

@@ -15,7 +15,7 @@ _IntegratorName = Literal[
     "mcmc_vcm", "vcm", "bdpt", "path", "sppm", "light", "pssmlt", "pssmlt_merge", "mmlt", "vpt", "split_mcmc", "scene"
 ]  # fmt: skip
 _Curve = Literal["srgb", "filmic", "none"]
-_Layer = Literal["albedo", "normal", "depth", "variance", "alpha"]
+_Layer = Literal["albedo", "normal", "depth", "variance", "alpha", "denoised"]
 _Progress = Callable[[Progress], object] | None
 _Parameter = bool | int | float | str
 _Placement = Transform | ArrayLike

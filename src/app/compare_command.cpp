@@ -26,7 +26,7 @@ bias       (mean a - mean b) / mean b, with its standard error from tiles of 16x
 All means are over pixels and color channels. Integer formats such as PNG are decoded to linear values.)";
 
 struct CompareArguments {
-    std::string image, reference, heatMap;
+    std::string image, reference, heatMap, layer;
     bool overwrite = false;
     double epsilon = kRelMseEpsilon;
     bool json = false;
@@ -66,7 +66,13 @@ int compare(const CompareArguments& a) {
         checkDistinct(std::vector<NamedOutput>{{fmt::format("--heatmap '{}'", a.heatMap), a.heatMap}},
                       std::vector<std::filesystem::path>{a.image, a.reference});
     }
-    const ImageData image = readImage(a.image, false), reference = readImage(a.reference, false);
+    ImageData image = readImage(a.image, false);
+    if (!a.layer.empty()) {
+        ImageLayer layer = readLayer(a.image, a.layer);
+        image.channels = static_cast<int>(layer.channels.size());
+        image.pixels = std::move(layer.pixels);
+    }
+    const ImageData reference = readImage(a.reference, false);
     const ImageDifference difference = compareImages(image, reference, a.epsilon);
     if (a.json)
         printJson(difference);
@@ -96,6 +102,9 @@ Run addCompareCommand(CLI::App& parent) {
            "--heatmap", a->heatMap,
            "PNG of the relative error of each pixel:\nblack 0.001, blue, violet, orange, yellow, white 1")
         ->option_text("FILE");
+    app->add_option("--layer", a->layer,
+                    "Layer of the image to judge in place of its colors, such as denoised")
+        ->option_text("NAME");
     app->add_flag("--overwrite", a->overwrite,
                   "Replace an existing image that Metrolux has not written, too");
     app->add_option("--epsilon", a->epsilon,

@@ -20,7 +20,7 @@ constexpr int kVarianceRadius = 4;  ///< over which the halves tell how much noi
 constexpr float kNeighborShare = 0.3f;
 /// A pixel whose variance is so many times the median around it is an outlier.
 constexpr float kOutlier = 4;
-constexpr int kErrorRadius = 1, kShareRadius = 2;
+constexpr int kErrorRadius = 2, kShareRadius = 2;
 /// Added to squares of colors where errors are relative, of images with a mean of 1.
 constexpr float kDark = 1e-3f;
 
@@ -157,7 +157,11 @@ class Denoiser {
         std::vector<Candidate> result;
         for (size_t k = 0; k < kStrengths.size(); ++k) result.push_back(joined(first[k], second[k]));
         result.push_back(plain(result.front().color));
-        for (Candidate& candidate : result) candidate.error = boxMeans(candidate.error, kErrorRadius);
+        // An outlier says nothing of the error around it.
+        for (Candidate& candidate : result) {
+            forEachPixel([&](int x, int y, size_t) { *candidate.error.at(x, y) *= sqr(*trust_.at(x, y)); });
+            candidate.error = boxMeans(candidate.error, kErrorRadius);
+        }
         return result;
     }
 

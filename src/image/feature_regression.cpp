@@ -11,19 +11,20 @@ namespace metrolux::core {
 namespace {
 
 // Found on eight scenes (docs/lab/denoising.md).
-constexpr int kWindow = 9, kPatch = 2;  ///< radii
+constexpr int kWindow = 7, kPatch = 2;  ///< radii
 constexpr float kFeatureReach = 6;      ///< differences of features, in their units, that count 1/e
 constexpr float kPlaceFalloff = 0.02f;  ///< exponent of the weight for the square of a pixel
 /// Added to the squares of features: what varies less than a twentieth of a unit explains nothing.
 constexpr float kRidge = 0.003f;
 /// Neighbors of less weight are left out.
-constexpr float kLeastWeight = 1e-3f;
+constexpr float kLeastWeight = 1e-2f;
 
 constexpr int kSide = 2 * kWindow + 1, kOffsets = kSide * kSide;
 static_assert(kWindow + kPatch <= PaddedPlane::kMargin);
 /// A model is fitted around every second pixel of every second row, and tells of all pixels of its window.
 constexpr int kStep = 2;
-constexpr int kTile = 32, kCentersPerRow = kTile / kStep, kCenters = kCentersPerRow * kCentersPerRow;
+constexpr int kTile = 32, kCentersPerRow = (kTile + kStep - 1) / kStep,
+              kCenters = kCentersPerRow * kCentersPerRow;
 static_assert(kTile >= 2 * kWindow, "tiles that are written at once must not meet");
 constexpr int kColumns = 16;  ///< features, colors, and zeros up to a multiple of the vector width
 static_assert(kFeatures + 3 <= kColumns);
@@ -136,6 +137,10 @@ class TileFilter {
                 for (size_t i = 1; i < kComparedFeatures; ++i) difference += values[i] * values[i];
                 w[dx] *= expOfMinus(difference / (kFeatureReach * kFeatureReach) +
                                     kPlaceFalloff * static_cast<float>(dx * dx + dy * dy));
+                if (w[dx] < kLeastWeight) {
+                    w[dx] = 0;
+                    continue;
+                }
                 const float weight = w[dx] * trust[dx];
                 for (size_t i = 0; i < kFeatures; ++i) {
                     const float product = weight * values[i];

@@ -44,6 +44,9 @@ TEST_F(DenoiseTest, ThePlainImageStaysAsItIs) {
         EXPECT_NE(layer("a.exr"), pixels("a.exr"));
         EXPECT_THAT(outcome.err, HasSubstr("wrote a.exr, with the layer denoised by own filter"));
         EXPECT_THAT(outcome.err, HasSubstr("wrote a.png, denoised by own filter"));
+        EXPECT_THAT(run({"compare", "a.exr", "plain.exr"}).out, HasSubstr("MSE      0\n"));
+        EXPECT_THAT(run({"compare", "a.exr", "plain.exr", "--layer", "denoised"}).out,
+                    Not(HasSubstr("MSE      0\n")));
         const nlohmann::json statistics = nlohmann::json::parse(std::ifstream(folder / "a.json"));
         EXPECT_EQ(statistics["denoiser"], "own filter");
     }

@@ -94,7 +94,7 @@ TEST(Denoise, NoiseOnAPlaneFalls) {
     const Rendering rendering([](int x, int y) { return 0.2f + 0.002f * float(x) + 0.001f * float(y); },
                               0.4f);
     const double plain = rendering.error(rendering.mean);
-    // A first-order fit in a window of some 150 effective pixels, ten features of which three vary.
+    // A first-order fit in a window of some 100 effective pixels, ten features of which three vary.
     EXPECT_LT(rendering.error(rendering.denoised()), plain / 15);
 }
 

@@ -190,7 +190,10 @@ ImageView Session::layer(const std::string& name) {
     if (name == "variance") return variance();
     const core::Film& film = impl_->session->film();
     if (name == core::kDenoisedLayer) {
-        impl_->denoised = impl_->workers.execute([this] { return denoisedPixels(*impl_->session); });
+        const std::vector<float> pixels =
+            impl_->workers.execute([this] { return denoisedPixels(*impl_->session); });
+        impl_->denoised.resize(pixels.size());  // views stay where they are
+        std::copy(pixels.begin(), pixels.end(), impl_->denoised.begin());
         return {impl_->denoised.data(), film.height(), film.width(), 3};
     }
     const auto* layers = impl_->workers.execute([this] { return &impl_->session->cameraLayers(); });

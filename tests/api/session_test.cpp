@@ -64,10 +64,12 @@ TEST_F(ApiSession, StepsAndARunAreTheSame) {
 }
 
 TEST_F(ApiSession, ViewsStayWhereTheyAre) {
-    options.layers = {"albedo", "depth", "variance"};
+    options.layers = {"albedo", "depth", "variance", "denoised"};
     metrolux::Session session(scene, options);
     session.step();
     session.step();
+    const ImageView denoised = session.layer("denoised");
+    EXPECT_NE(pixels(denoised), pixels(session.image()));
     const ImageView image = session.image(), variance = session.variance(), albedo = session.layer("albedo");
     const std::vector<float> before = pixels(image);
     EXPECT_EQ(albedo.channels, 3);
@@ -77,6 +79,7 @@ TEST_F(ApiSession, ViewsStayWhereTheyAre) {
     EXPECT_EQ(session.image().data, image.data);
     EXPECT_EQ(session.variance().data, variance.data);
     EXPECT_EQ(session.layer("albedo").data, albedo.data);
+    EXPECT_EQ(session.layer("denoised").data, denoised.data);
     EXPECT_NE(pixels(image), before);
     EXPECT_THAT(errorOf([&] { session.layer("normal"); }), HasSubstr("albedo, depth, variance"));
 
@@ -85,7 +88,7 @@ TEST_F(ApiSession, ViewsStayWhereTheyAre) {
 }
 
 TEST_F(ApiSession, LeavesItsBuffers) {
-    options.layers = {"albedo", "depth", "variance"};
+    options.layers = {"albedo", "depth", "variance", "denoised"};
     metrolux::Session session(scene, options), same(scene, options);
     session.render(passes(2));
     same.render(passes(2));

@@ -174,8 +174,8 @@ class METROLUX_API Session {
 };
 
 /// Joins checkpoints of slices that were rendered apart and writes the image: to the bit that of one process
-/// which renders them all. `layers`: of variance and denoised. Slices that are missing are warned of. Throws Error
-/// for parts that overlap or belong to different renderings.
+/// which renders them all. `layers`: of variance and denoised. Slices that are missing are warned of. Throws
+/// Error for parts that overlap or belong to different renderings.
 struct Merged {
     Outcome outcome;
     std::string statistics;  ///< JSON

@@ -77,6 +77,13 @@ class Shape {
 };
 using ShapePtr = std::shared_ptr<Shape>;
 
+/// What lies beyond a surface in direction w: `medium`, what is on this side, unless the surface bounds one.
+inline MediumIndex mediumBeyond(const SurfaceInteraction& si, const Vec3f& w, MediumIndex medium) {
+    const std::optional<MediumSides>& sides = si.shape->media;
+    if (!sides) return medium;
+    return dot(w, si.ng) > 0 ? sides->exterior : sides->interior;
+}
+
 /// Triangles in world space. Normals and uv are optional. Immutable once built.
 ///
 /// The winding orients ng: cross(p1 - p0, p2 - p0). A triangle whose vertex normals lie on the other side

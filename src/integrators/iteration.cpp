@@ -69,6 +69,44 @@ double projectedPixelRadius(const Scene& scene, const PathLimits& limits) {
     return count > 0 && sum > 0 ? kFootprints * sum / count : kFallbackFraction * scene.bounds().radius;
 }
 
+namespace {
+
+/// Follows an eye subpath to its first vertex in a medium and notes where that is.
+class FirstInMedium final : public SubpathVisitor {
+  public:
+    double traveled = 0, flight = 0;
+    bool found = false;
+    bool surface(const Vertex& v) override {
+        traveled += v.distanceToPrevious;
+        found = v.inMedium;
+        flight = v.distanceToPrevious;
+        return !found && !v.hasSmoothLobe() && v.depth < 16;
+    }
+};
+
+}  // namespace
+
+double projectedMediumRadius(const Scene& scene, const PathLimits& limits) {
+    constexpr double kNearInMedia = 10;
+    constexpr int kProbes = 4096;
+    if (!scene.hasMedia()) return 0;
+    const FilmWindow& w = scene.camera().window();
+    double sum = 0;
+    int count = 0;
+    for (int i = 0; i < kProbes; ++i) {
+        SobolStream stream(hashKey(0x6d6564, i / 64), static_cast<uint32_t>(i));
+        const Vec2f u = read(stream, layout::kRaster);
+        FirstInMedium visitor;
+        traceEyeSubpath(scene, stream, limits, Strategies::path(),
+                        Vec2f(w.x + u.x * w.width, w.y + u.y * w.height), 1, 0, visitor);
+        if (!visitor.found) continue;
+        const double footprint = scene.camera().pixelFootprint(static_cast<float>(visitor.traveled));
+        sum += std::cbrt(kNearInMedia * 0.75 / std::numbers::pi * footprint * footprint * visitor.flight);
+        ++count;
+    }
+    return count > 0 ? sum / count : 0;
+}
+
 void checkRadius(double radius, const Scene& scene) {
     constexpr double kFinest =
         0x1p-26;  // a quarter of a unit in the last place, at the distance of the radius
@@ -135,7 +173,31 @@ IteratedIntegrator::IteratedIntegrator(const Scene& scene, const CommonOptions& 
     : scene_(scene),
       options_(options),
       partition_(scene.camera().window(), options),
-      radius_(merging.radius, merging.alpha) {}
+      radius_(merging.radius, merging.alpha),
+      firstRadius_(merging.radius),
+      firstMediumRadius_(merging.mediumRadius) {}
+
+/// Its cube shrinks as the square of the other.
+double IteratedIntegrator::mediumRadius() const {
+    return firstRadius_ > 0 ? firstMediumRadius_ * std::cbrt(sqr(radius_.radius() / firstRadius_)) : 0;
+}
+
+void IteratedIntegrator::countMerges(double samples, Strategies& strategies) const {
+    const double r = radius_.radius(), inMedia = mediumRadius();
+    strategies.merge = samples * std::numbers::pi * r * r;
+    if (r > 0) strategies.mergeInMedia = 4.0 / 3.0 * inMedia * inMedia * inMedia / (r * r);
+}
+
+void IteratedIntegrator::sortEyes() {
+    const PointSpan positions = positionsOf(eyes_.all());
+    const auto r = static_cast<float>(radius_.radius());
+    if (!scene_.hasMedia()) return grid_.build(positions, r);
+    std::vector<uint32_t> onSurfaces, inMedia;
+    for (size_t i = 0; i < eyes_.vertices.size(); ++i)
+        (eyes_.vertices[i].inMedium ? inMedia : onSurfaces).push_back(static_cast<uint32_t>(i));
+    grid_.build(positions, onSurfaces, r);
+    if (firstMediumRadius_ > 0) mediumGrid_.build(positions, inMedia, static_cast<float>(mediumRadius()));
+}
 
 void IteratedIntegrator::weighByVariance(const VarianceParameters& variance) {
     if (variance.varianceAware) eyeFactors_ = std::make_unique<EyeFactors>(scene_.camera().window());

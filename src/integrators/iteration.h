@@ -116,9 +116,15 @@ class IteratedIntegrator : public Integrator {
     EyePass eyePass(const Strategies& strategies, uint32_t pass) {
         return {scene_, options_.limits, strategies, nonFinite_, options_.seed, pass, eyeFactors_.get()};
     }
-    /// Over eyes_ and grid_.
+    /// Counts of merging for `samples` eye subpaths (with the boost of their density).
+    void countMerges(double samples, Strategies& strategies) const;
+    /// Builds grid_ and mediumGrid_ over eyes_.
+    void sortEyes();
+    /// Over eyes_, grid_ and mediumGrid_.
     LightSubpathPass lightSubpathPass(const Strategies& strategies) {
-        return {scene_, options_.limits, strategies, eyes_, grid_, nonFinite_};
+        LightSubpathPass pass{scene_, options_.limits, strategies, eyes_, grid_, nonFinite_};
+        pass.mediumGrid = &mediumGrid_;
+        return pass;
     }
     /// What statistics() says of all of them.
     nlohmann::json iterationStatistics() const;
@@ -131,7 +137,12 @@ class IteratedIntegrator : public Integrator {
     std::unique_ptr<EyeFactors> eyeFactors_;  ///< of Strategies; null: plain balance heuristic
     EyeWavefronts eyeWavefronts_;
     EyeVertices eyes_;
-    VertexGrid grid_;
+    VertexGrid grid_;        ///< of eyes_ on surfaces
+    VertexGrid mediumGrid_;  ///< in media
+
+  private:
+    double mediumRadius() const;
+    double firstRadius_, firstMediumRadius_;
 };
 
 }  // namespace metrolux::core

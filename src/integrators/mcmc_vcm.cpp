@@ -126,16 +126,16 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         if (kind == LightSubpaths::None) return eyesAlone(film, pass, pixels);
 
         const bool chains = kind == LightSubpaths::Chains;
-        const double n = double(pixels.size()), r = radius_.radius();
-        chains_.begin(pixels.size(), r, chains);
-        Strategies strategies = Strategies::bidirectional(chains_.effectiveSamples() / n,
-                                                          n * std::numbers::pi * r * r, photons_.get());
+        const double n = double(pixels.size());
+        chains_.begin(pixels.size(), radius_.radius(), chains);
+        Strategies strategies = Strategies::bidirectional(chains_.effectiveSamples() / n, 0, photons_.get());
+        countMerges(n, strategies);
         strategies.eyeFactors = eyeFactors_.get();
         strategies.connect = parameters_.connections;
         if (!(strategies.connect > 0))
             strategies.connect = chains ? kChainConnections : kIndependentConnections;
         traceEyes(eyePass(strategies, pass), pixels, film);
-        grid_.build(positionsOf(eyes_.all()), static_cast<float>(r));
+        sortEyes();
         LightSubpathPass light = lightSubpathPass(strategies);
         LightSubpathIteration iteration{pass, first, pixels.size(), n / film.pixelCount()};
         if (relative()) iteration.target = &importance_;

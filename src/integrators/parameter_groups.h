@@ -13,17 +13,24 @@ namespace metrolux::core {
 /// sees (through mirrors and glass, at the first smooth surface). Falls back to a fraction of the scene if it
 /// sees none.
 double projectedPixelRadius(const Scene& scene, const PathLimits& limits);
+/// First radius for merging in media: as many eye vertices as kNearInMedia lie within it on average, if they
+/// are as far apart along the rays of the camera as their free flights are long. 0 where the camera sees no
+/// medium that scatters.
+double projectedMediumRadius(const Scene& scene, const PathLimits& limits);
 /// Throws Error for a merging radius that is larger than the scene, which would blur all of it into one, or
 /// so small that single precision does not tell points apart at that distance.
 void checkRadius(double radius, const Scene& scene);
 
 struct MergingParameters {
-    double radius = 0;  ///< scene units; 0: projectedPixelRadius()
+    double radius = 0;        ///< scene units; 0: projectedPixelRadius()
+    double mediumRadius = 0;  ///< scene units; 0: projectedMediumRadius()
     double alpha = 0.75;
     template <class V>
     void visit(V&& v) {
         v({"radius", "initial_radius"}, radius, Range::from(0).zeroIs("from the pixel size"),
           "first merging radius in scene units");
+        v({"medium_radius"}, mediumRadius, Range::from(0).zeroIs("from the pixel size and the medium"),
+          "first radius for merging in media, in scene units");
         v({"radius_alpha", "alpha"}, alpha, Range::between(0, 1),
           "how slowly the radius shrinks: r^2 is as passes^(alpha - 1)");
     }
@@ -32,6 +39,10 @@ struct MergingParameters {
             radius = projectedPixelRadius(scene, limits);
         else
             checkRadius(radius, scene);
+        if (mediumRadius == 0)
+            mediumRadius = projectedMediumRadius(scene, limits);
+        else
+            checkRadius(mediumRadius, scene);
     }
 };
 

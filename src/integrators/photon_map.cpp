@@ -30,7 +30,7 @@ class KeepVertices final : public SubpathVisitor {
   public:
     KeepVertices(int maxDepth, std::vector<Vertex>& kept) : maxDepth_(maxDepth), kept_(kept) {}
     bool surface(const Vertex& v) override {
-        if (v.hasSmoothLobe()) kept_.push_back(v);
+        if (v.hasSmoothLobe() && !v.inMedium) kept_.push_back(v);
         return maxDepth_ < 0 || v.depth + 1 < maxDepth_;
     }
 

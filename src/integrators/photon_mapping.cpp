@@ -61,7 +61,7 @@ class PhotonMappingIntegrator final : public Resumable<PhotonMappingIntegrator, 
         const double n = double(pixels.size()), r = radius_.radius();
         const Strategies strategies = Strategies::photonMapping();
         traceEyes(eyePass(strategies, pass), pixels, film);
-        grid_.build(positionsOf(eyes_.all()), static_cast<float>(r));
+        sortEyes();
 
         const LightSubpathPass lightPass = lightSubpathPass(strategies);
         const LightSubpathIteration iteration{pass, first, pixels.size(), n / film.pixelCount()};

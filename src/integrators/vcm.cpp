@@ -46,13 +46,13 @@ class VcmIntegrator final : public Resumable<VcmIntegrator, IteratedIntegrator> 
 
   private:
     void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) override {
-        const double n = double(pixels.size()), r = radius_.radius();
-        Strategies strategies =
-            Strategies::bidirectional(1, merge_ ? n * std::numbers::pi * r * r : 0, photons_.get());
+        const double n = double(pixels.size());
+        Strategies strategies = Strategies::bidirectional(1, 0, photons_.get());
+        if (merge_) countMerges(n, strategies);
         strategies.eyeFactors = eyeFactors_.get();
         strategies.connect = connections_;
         traceEyes(eyePass(strategies, pass), pixels, film);
-        if (merge_) grid_.build(positionsOf(eyes_.all()), static_cast<float>(r));
+        if (merge_) sortEyes();
 
         independentLightSubpaths(lightSubpathPass(strategies), film, options_.seed,
                                  {pass, first, pixels.size(), n / film.pixelCount()}, photons_.get());

@@ -56,6 +56,13 @@ struct BsdfSample {
     float eta = 1;
 };
 
+/// A lobe that lets light straight on, as if there were no surface. sample() picks it for the uppermost
+/// values of uLobe, with a probability that is the same for both directions along a line.
+struct NullLobe {
+    Rgb transmittance{0.0f};
+    float probability = 0;
+};
+
 class Bsdf {
   public:
     virtual ~Bsdf() = default;
@@ -82,6 +89,22 @@ class Bsdf {
     static constexpr float kNarrow = 0.1f;
     /// Light can pass through the surface (so that both sides of it scatter into each other).
     virtual bool isTransmissive() const { return false; }
+
+    // In scenes with media what goes straight on is no event of a path (transport/passage.h).
+
+    virtual bool hasNullLobe() const { return false; }
+    /// For the local direction w to either side.
+    virtual NullLobe nullLobe(const SurfaceInteraction& si, const Vec3f& w) const {
+        (void)si, (void)w;
+        return {};
+    }
+    /// What the density of a vertex here has as a factor from its being chosen as the end of an edge along w
+    /// (local): in a medium its extinction; where a null lobe could have been taken, the probability that it
+    /// was not.
+    virtual Rgb stopDensity(const SurfaceInteraction& si, const Vec3f& w) const {
+        (void)si, (void)w;
+        return Rgb(1.0f);
+    }
 
   protected:
     /// Makes the sample of a smooth lobe from evaluate(): value and both densities for (known, direction).

@@ -39,6 +39,11 @@ class Mask final : public Bsdf {
     bool isNarrow(const SurfaceInteraction& si) const override { return nested_->isNarrow(si); }
     bool hasDeltaLobe() const override { return true; }
     bool isTransmissive() const override { return true; }
+    bool hasNullLobe() const override { return true; }
+    NullLobe nullLobe(const SurfaceInteraction& si, const Vec3f&) const override {
+        const float o = opacity(si);
+        return {Rgb(1 - o), 1 - o};
+    }
 
   private:
     float opacity(const SurfaceInteraction& si) const { return std::clamp(opacity_(si), 0.0f, 1.0f); }

@@ -17,11 +17,14 @@ class NullBsdf final : public Bsdf {
     bool hasSmoothLobe() const override { return false; }
     bool hasDeltaLobe() const override { return true; }
     bool isTransmissive() const override { return true; }
+    bool hasNullLobe() const override { return true; }
+    NullLobe nullLobe(const SurfaceInteraction&, const Vec3f&) const override { return {Rgb(1.0f), 1}; }
 };
 
 }  // namespace
 
 BsdfPtr makeNullBsdf() { return std::make_shared<NullBsdf>(); }
+bool isNullBsdf(const Bsdf& bsdf) { return dynamic_cast<const NullBsdf*>(&bsdf) != nullptr; }
 
 BsdfSample passThrough(const Vec3f& known, const Rgb& energy, float probability) {
     BsdfSample result;

@@ -20,6 +20,14 @@ class ThinDielectric final : public DeltaPair {
         return choose(known, mode, uLobe, reflectance_(si) * f, transmittance_(si) * (1 - f), -known, 1);
     }
 
+    bool hasNullLobe() const override { return true; }
+    NullLobe nullLobe(const SurfaceInteraction& si, const Vec3f& w) const override {
+        const float f = sheetReflectance(fresnelDielectric(absCosTheta(w), eta_));
+        const Rgb passed = transmittance_(si) * (1 - f);
+        const float r = average(reflectance_(si) * f), t = average(passed);
+        return {passed, t > 0 ? t / (r + t) : 0.0f};
+    }
+
     Rgb albedo(const SurfaceInteraction& si) const override {
         const float f = sheetReflectance(std::clamp(fresnelDiffuseReflectance(eta_), 0.0f, 1.0f));
         return clampUnit(lerp(f, transmittance_(si), reflectance_(si)));

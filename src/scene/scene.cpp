@@ -26,6 +26,8 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     for (const LightPtr& light : parts_.lights) light->setSceneBounds(bounds_);
     findBrightness();
     chooseLights();
+    fillWithMedia();
+    findMedia();
 }
 
 Scene::Scene(const Scene& other, SceneView view)
@@ -34,7 +36,9 @@ Scene::Scene(const Scene& other, SceneView view)
     parts_.limits = view.limits;
     parts_.filterKind = view.filterKind;
     parts_.filter = view.filter;
+    mediumPoints_ = other.mediumPoints_;
     findBounds();
+    findMedia();
     if (bounds_ == other.bounds_) {
         environment_ = other.environment_;
         emission_ = other.emission_;

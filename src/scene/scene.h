@@ -103,6 +103,18 @@ class Scene {
         float probability = 0;
         float emissionProbability = 0;  ///< as emissionProbability(light)
     };
+    /// Whether there are any: what makes the passage through them stays out of scenes without.
+    bool hasMedia() const { return !parts_.media.empty(); }
+    /// Null for empty space.
+    const Medium* medium(MediumIndex index) const {
+        return index == 0 ? nullptr : parts_.media[index - 1].get();
+    }
+    /// What a vertex in a medium has as its shape.
+    const Shape& mediumPoint(MediumIndex index) const { return *mediumPoints_[index - 1]; }
+    MediumIndex cameraMedium() const { return cameraMedium_; }
+    /// What a light subpath from that point of a light starts in.
+    MediumIndex mediumOf(const Light& light, const EndpointRay& point) const;
+
     /// Picks a light for next-event estimation at x.
     LightChoice chooseLightForConnection(const Vec3f& x, float& u) const;
     float connectionProbability(const Vec3f& x, const Light* light) const;
@@ -114,6 +126,10 @@ class Scene {
     void findBounds();
     void findBrightness();
     void chooseLights();
+    void fillWithMedia();
+    void findMedia();
+    MediumIndex mediumAt(const Vec3f& p) const;
+    std::optional<MediumIndex> mediumSeen(const Vec3f& p, const Vec3f& direction) const;
 
     SceneParts parts_;
     std::shared_ptr<const Intersector> intersector_;
@@ -123,6 +139,10 @@ class Scene {
     DiscreteDistribution emission_;
     std::shared_ptr<const LightSelector> connection_;
     std::unordered_map<const Light*, uint32_t> lightIndex_;
+    std::vector<ShapePtr> mediumPoints_;
+    std::vector<MediumIndex> lightMedia_;  ///< of lights that no boundary of a medium carries
+    MediumIndex cameraMedium_ = 0;
+    MediumIndex outerMedium_ = 0;  ///< around everything
 };
 
 }  // namespace metrolux::core

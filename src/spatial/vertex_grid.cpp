@@ -44,8 +44,9 @@ VertexGrid::Cells VertexGrid::cellsOf(const Vec3f& p) const {
     return cells;
 }
 
-void VertexGrid::build(const PointSpan& positions, float radius) {
-    const size_t n = positions.size();
+/// Of the n positions with the indices indexOf(0), indexOf(1) ...
+template <class IndexOf>
+void VertexGrid::sort(const PointSpan& positions, size_t n, IndexOf&& indexOf, float radius) {
     radius_ = radius;
     radiusSquared_ = radius * radius;
     // A hair wider than two radii, so that rounding never makes a ball touch three cells along an axis.
@@ -72,7 +73,7 @@ void VertexGrid::build(const PointSpan& positions, float radius) {
     parallelFor(chunks, [&](size_t chunk) {
         places[chunk].fill(0);
         for (size_t i = chunk * kChunk; i < std::min(n, (chunk + 1) * kChunk); ++i) {
-            buckets[i] = bucketOf(positions[i]);
+            buckets[i] = bucketOf(positions[indexOf(i)]);
             ++places[chunk][sectionOf(buckets[i])];
         }
     });
@@ -98,9 +99,20 @@ void VertexGrid::build(const PointSpan& positions, float radius) {
         uint32_t place = sectionStarts[s];
         for (uint32_t b = 0; b < sectionBuckets; ++b) place += std::exchange(next[b], place);
         for (const uint32_t i : section)
-            std::construct_at(&entries_[next[bucketInSection(i)]++], Entry{positions[i], i});
+            std::construct_at(&entries_[next[bucketInSection(i)]++],
+                              Entry{positions[indexOf(i)], static_cast<uint32_t>(indexOf(i))});
     });
     starts_[0] = 0;
+}
+
+void VertexGrid::build(const PointSpan& positions, float radius) {
+    sort(
+        positions, positions.size(), [](size_t i) { return i; }, radius);
+}
+
+void VertexGrid::build(const PointSpan& positions, std::span<const uint32_t> indices, float radius) {
+    sort(
+        positions, indices.size(), [indices](size_t i) { return indices[i]; }, radius);
 }
 
 void VertexGrid::clear() {

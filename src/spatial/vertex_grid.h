@@ -15,6 +15,8 @@ class VertexGrid {
   public:
     /// Copies the positions and keeps their indices. `radius` > 0, finite.
     void build(const PointSpan& positions, float radius);
+    /// Of those positions only that `indices` name.
+    void build(const PointSpan& positions, std::span<const uint32_t> indices, float radius);
     void clear();
     float radius() const { return radius_; }
     size_t memoryBytes() const {
@@ -60,6 +62,8 @@ class VertexGrid {
     const void* addressOf(uint32_t bucket) const { return &starts_[bucket]; }
 
   private:
+    template <class IndexOf>
+    void sort(const PointSpan& positions, size_t n, IndexOf&& indexOf, float radius);
     /// Calls accept(index) for those within the radius until it returns true; returns whether it did.
     template <class Accept>
     bool find(const Vec3f& p, Accept&& accept) const {

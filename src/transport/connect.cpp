@@ -39,6 +39,17 @@ EyeFinding findLight(const Vertex& eye, const PendingConnection& pending, const 
             eye.mis.smooth + 1};
 }
 
+namespace {
+/// In scenes with media: what gets through to the other end of the shadow ray, which is known before the
+/// weight, and nothing is left to ask for. False when nothing does.
+bool passMedia(const Scene& scene, const Vertex& from, PendingConnection& pending, Passage& passage) {
+    if (!scene.hasMedia()) return true;
+    passage = passAlong(scene, pending.shadow, mediumBeyond(from, pending.shadow.direction));
+    pending.shadow.tMax = 0;
+    return !passage.blocked();
+}
+}  // namespace
+
 bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex& eye, float uLight,
                   const Vec2f& u, PendingConnection& pending) {
     const Scene::LightChoice choice = scene.chooseLightForConnection(eye.si.p, uLight);
@@ -49,10 +60,17 @@ bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex
     if (isBlack(s.value)) return false;
     pending.shadow = choice.light->isInfinite() ? scene.rayToInfinity(eye.si.p, eye.si.ng, c->wi)
                                                 : scene.rayBetween(eye.si.p, eye.si.ng, c->point, c->ng);
+    LightEdge edge = neeEdge(choice, *c, eye);
+    Rgb all = eye.throughput * s.value * c->value;
+    Passage passage;
+    if (!passMedia(scene, eye, pending, passage)) return false;
+    if (scene.hasMedia()) {
+        edge.arrival = passage.arrival(eye.stopDensity(c->wi));
+        edge.arrivalAtLight = passage.arrival();
+        all *= passage.transmittance;
+    }
 
-    const EyeWeight weight =
-        neeWeight(strategies, eye.mis, neeEdge(choice, *c, eye), s.pdfForward, s.pdfReverse);
-    const Rgb all = eye.throughput * s.value * c->value;
+    const EyeWeight weight = neeWeight(strategies, eye.mis, edge, s.pdfForward, s.pdfReverse);
     pending.value = all * static_cast<float>(weight.weight / choice.probability);
     pending.alone = luminance(all) * static_cast<float>(weight.alone / choice.probability);
     return true;
@@ -69,11 +87,15 @@ bool prepareCamera(const Scene& scene, const Strategies& strategies, const Verte
     raster = c->filmPosition;
 
     const double cosine = light.cosine(c->wi);
-    const double pdfAreaFromEye =
+    double pdfAreaFromEye =
         camera.isInfinite() ? c->pdfPosition * cosine : c->pdfDirection * cosine / sqr(double(c->distance));
-    const LightWeight weight =
-        splatWeight(strategies, light.mis, strategies.regionOf(raster), pdfAreaFromEye, s.pdfReverse);
+    Passage passage;
+    if (!passMedia(scene, light, pending, passage)) return false;
+    if (scene.hasMedia()) pdfAreaFromEye *= passage.arrival(light.stopDensity(c->wi));
+    const LightWeight weight = splatWeight(strategies, light.mis, strategies.regionOf(raster), pdfAreaFromEye,
+                                           s.pdfReverse, light.inMedium);
     pending.value = light.throughput * s.value * c->value * static_cast<float>(weight.weight);
+    if (scene.hasMedia()) pending.value *= passage.transmittance;
     pending.eye = weight.eye;
     return !isBlack(pending.value);
 }
@@ -90,16 +112,22 @@ bool prepareVertices(const Scene& scene, const Strategies& strategies, const Ver
     const VertexScattering l = scatterLight(light, -toLight);
     if (isBlack(l.value)) return false;
 
-    const double pdfAreaFromEye = e.pdfForward * light.cosine(toLight) / distanceSquared;
-    const double pdfAreaFromLight = l.pdfForward * eye.cosine(toLight) / distanceSquared;
+    double pdfAreaFromEye = e.pdfForward * light.cosine(toLight) / distanceSquared;
+    double pdfAreaFromLight = l.pdfForward * eye.cosine(toLight) / distanceSquared;
+    pending.shadow = scene.rayBetween(eye.si.p, eye.si.ng, light.si.p, light.si.ng);
+    Passage passage;
+    if (!passMedia(scene, eye, pending, passage)) return false;
+    if (scene.hasMedia()) {
+        pdfAreaFromEye *= passage.arrival(light.stopDensity(toLight));
+        pdfAreaFromLight *= passage.arrival(eye.stopDensity(toLight));
+    }
     const LightWeight weight = connectWeight(strategies, light.mis, eye.mis, pdfAreaFromEye, pdfAreaFromLight,
                                              l.pdfReverse, e.pdfReverse);
     pending.value = light.throughput * l.value * eye.throughput * e.value *
                     static_cast<float>(weight.weight / distanceSquared);
+    if (scene.hasMedia()) pending.value *= passage.transmittance;
     pending.eye = weight.eye;
-    if (isBlack(pending.value)) return false;
-    pending.shadow = scene.rayBetween(eye.si.p, eye.si.ng, light.si.p, light.si.ng);
-    return true;
+    return !isBlack(pending.value);
 }
 
 namespace {
@@ -131,7 +159,7 @@ LightFinding connectVertices(const Scene& scene, const Strategies& strategies, c
 LightFinding mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
                            double inverseDiskArea) {
     constexpr float kMinimalNormalAgreement = 0.5f;
-    if (dot(light.si.ng, eye.si.ng) < kMinimalNormalAgreement) return {};
+    if (dot(light.si.ng, eye.si.ng) < kMinimalNormalAgreement) return {};  // so too if one is in a medium
     // The density of photons on the surface is proportional to the cosine at the light vertex, S to that of
     // the shading normal: their ratio is the factor of [Veach97] for this vertex.
     const float cosineLight = light.cosine(light.toPrevious);
@@ -141,6 +169,16 @@ LightFinding mergeVertices(const Strategies& strategies, const Vertex& light, co
     const LightWeight weight = mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse);
     return {light.throughput * eye.throughput * s.value *
                 static_cast<float>(weight.weight * inverseDiskArea / cosineLight),
+            weight.eye};
+}
+
+LightFinding mergeInMedium(const Strategies& strategies, const Vertex& light, const Vertex& eye,
+                           double inverseVolume) {
+    if (!eye.inMedium || light.medium != eye.medium) return {};
+    const VertexScattering s = scatterEye(eye, light.toPrevious);
+    if (isBlack(s.value)) return {};
+    const LightWeight weight = mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse);
+    return {light.throughput * eye.throughput * s.value * static_cast<float>(weight.weight * inverseVolume),
             weight.eye};
 }
 

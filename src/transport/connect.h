@@ -74,4 +74,9 @@ LightFinding connectVertices(const Scene& scene, const Strategies& strategies, c
 LightFinding mergeVertices(const Strategies& strategies, const Vertex& light, const Vertex& eye,
                            double inverseDiskArea);
 
+/// The same in a medium (P-P3D of [Kri14]): the value is multiplied by 1 / (4/3 pi r^3). Only vertices in the
+/// same medium are merged; whether a surface stands between the two is for the caller to ask.
+LightFinding mergeInMedium(const Strategies& strategies, const Vertex& light, const Vertex& eye,
+                           double inverseVolume);
+
 }  // namespace metrolux::core

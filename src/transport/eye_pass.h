@@ -87,7 +87,9 @@ struct EyePass {
 
     /// Whether other techniques than hit work at a vertex. Photon mapping leaves narrow lobes to the walk.
     bool joins(const Vertex& v) const {
-        return v.hasSmoothLobe() && !(strategies.mergeAt == Strategies::MergeAt::FirstVertex && v.isNarrow());
+        if (!v.hasSmoothLobe()) return false;
+        if (strategies.mergeAt == Strategies::MergeAt::EveryVertex) return true;
+        return v.inMedium ? strategies.mergeInMedia > 0 : !v.isNarrow();
     }
     /// Whether a path with one more edge is not too long.
     bool extensible(const Vertex& v) const { return limits.maxDepth < 0 || v.depth < limits.maxDepth; }

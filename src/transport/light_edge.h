@@ -2,8 +2,7 @@
 /// The first edge of a path as each technique finds it: sampled from the light, by next-event estimation, or
 /// hit by an eye subpath. All densities of an emitter become those of LightEdge here.
 
-#include "scene/scene.h"
-#include "transport/vertex.h"
+#include "transport/passage.h"
 
 namespace metrolux::core {
 
@@ -17,6 +16,7 @@ struct LightStart {
     Scene::LightChoice choice;
     EndpointRay point;
     Ray ray;
+    WalkPassage passage{true, Rgb(1.0f)};  ///< through media
 };
 
 /// Emitted: a light subpath has arrived at x1.
@@ -31,6 +31,8 @@ inline LightEdge emittedEdge(const Scene& scene, const LightStart& start, const 
     edge.cosineLight = x0.cosine;
     edge.cosineSurface = x1.cosine(x0.direction);
     edge.distanceSquared = sqr(double(x1.distanceToPrevious));
+    edge.arrival = start.passage.forward;
+    edge.arrivalAtLight = start.passage.reverse;
     // Zero for a light that next-event estimation cannot reach (a collimated beam): then nee is no technique.
     edge.pdfNee = light.isConnectable() ? scene.connectionProbability(x1.si.p, &light) : 0.0;
     if (edge.kind == EndpointKind::Surface)

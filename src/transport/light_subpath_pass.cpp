@@ -17,9 +17,9 @@ class LightSubpathVisitor final : public SubpathVisitor {
 
     bool surface(const Vertex& v) override {
         if (v.hasSmoothLobe()) {
-            if (job_.counted) job_.counted->count(v.si.p);
-            if (job_.trail) job_.trail->push_back(v.si.p);
-            if (pass_.merges()) merge(v);
+            if (job_.counted && !v.inMedium) job_.counted->count(v.si.p);
+            if (job_.trail && !v.inMedium) job_.trail->push_back(v.si.p);
+            if (const VertexGrid* grid = pass_.gridFor(v)) merge(v, *grid);
             if (pass_.strategies.splat > 0) splat(v);
             connect(v);
         }
@@ -27,13 +27,11 @@ class LightSubpathVisitor final : public SubpathVisitor {
     }
 
   private:
-    void merge(const Vertex& v) {
-        const double r = pass_.grid.radius(), inverseDiskArea = 1.0 / (double(kPi) * r * r);
-        pass_.grid.query(v.si.p, [&](uint32_t index) {
+    void merge(const Vertex& v, const VertexGrid& grid) {
+        const double kernel = LightSubpathPass::kernelOf(grid, v.inMedium);
+        grid.query(v.si.p, [&](uint32_t index) {
             const Vertex& eye = pass_.eyes.vertices[index];
-            if (pass_.limits.admits(v.depth + eye.depth))
-                pass_.addMerge(mergeVertices(pass_.strategies, v, eye, inverseDiskArea), v, eye,
-                               *job_.splats);
+            if (pass_.limits.admits(v.depth + eye.depth)) pass_.merge(v, eye, kernel, *job_.splats);
         });
     }
     void splat(const Vertex& v) {
@@ -67,10 +65,13 @@ LightSubpathPass::Partner LightSubpathPass::choosePartner(SampleStream& stream) 
             static_cast<float>(double(n) / share)};
 }
 
-void LightSubpathPass::addMerge(const LightFinding& found, const Vertex& light, const Vertex& eye,
-                                SplatList& splats) const {
-    if (isBlack(found.value) || isWallBetween(scene, light, eye, grid.radius())) return;
-    addPixel(eye.pixel, found, Technique::Merge, splats);
+void LightSubpathPass::merge(const Vertex& light, const Vertex& eye, double kernel, SplatList& splats) const {
+    const LightFinding found = light.inMedium ? mergeInMedium(strategies, light, eye, kernel)
+                                              : mergeVertices(strategies, light, eye, kernel);
+    if (isBlack(found.value)) return;
+    const bool wall = light.inMedium ? !scene.visible(light.si.p, Vec3f(0.0f), eye.si.p, Vec3f(0.0f))
+                                     : isWallBetween(scene, light, eye, grid.radius());
+    if (!wall) addPixel(eye.pixel, found, Technique::Merge, splats);
 }
 
 void LightSubpathPass::evaluate(const LightSubpathJob& job) const {

@@ -34,9 +34,10 @@ struct LightSubpathPass {
     const PathLimits& limits;
     const Strategies& strategies;
     const EyeVertices& eyes;
-    const VertexGrid& grid;         ///< over them; empty: nothing to merge with
-    NonFiniteCounts& nonFinite;     ///< counts what is left out
-    TechniqueWork* work = nullptr;  ///< counts, if given; in wavefronts only
+    const VertexGrid& grid;                  ///< over those on surfaces; empty: nothing to merge with
+    NonFiniteCounts& nonFinite;              ///< counts what is left out
+    TechniqueWork* work = nullptr;           ///< counts, if given; in wavefronts only
+    const VertexGrid* mediumGrid = nullptr;  ///< over the eye vertices in media, if any
     const EyeTail* tail = nullptr;  ///< for SplatList::surprise, if given; needs Strategies::eyeFactors
 
     /// Scales: a pixel splat is the estimate of its pixel from one light subpath; divide by the number of
@@ -57,13 +58,23 @@ struct LightSubpathPass {
     /// stands for all.
     Partner choosePartner(SampleStream& stream) const;
     WalkRules rules() const { return {scene, limits, strategies, TransportMode::Importance}; }
-    bool merges() const { return strategies.merge > 0 && !grid.empty(); }
+    /// The eye vertices that a vertex is merged with; null if there are none.
+    const VertexGrid* gridFor(const Vertex& v) const {
+        const VertexGrid* g = v.inMedium ? mediumGrid : &grid;
+        const bool merges = strategies.merge > 0 && (!v.inMedium || strategies.mergeInMedia > 0);
+        return g && merges && !g->empty() ? g : nullptr;
+    }
+    /// One over the measure of the points within its radius: of a disk on a surface, of a ball in a medium.
+    static double kernelOf(const VertexGrid& g, bool inMedium) {
+        const double r = g.radius();
+        return 1.0 / (double(kPi) * r * r * (inMedium ? 4.0 / 3.0 * r : 1.0));
+    }
     /// Whether a path with that many more edges is not too long: the way to the camera has one at least.
     bool extensible(const Vertex& v, int edges = 1) const {
         return limits.maxDepth < 0 || v.depth + edges <= limits.maxDepth;
     }
-    /// Adds a merge unless a wall stands between the two vertices.
-    void addMerge(const LightFinding& found, const Vertex& light, const Vertex& eye, SplatList& splats) const;
+    /// Merges two vertices unless a wall stands between them; `kernel`: kernelOf() their grid.
+    void merge(const Vertex& light, const Vertex& eye, double kernel, SplatList& splats) const;
     /// Adds a finite contribution to a pixel.
     void addPixel(uint32_t pixel, const LightFinding& found, Technique technique, SplatList& splats) const {
         if (nonFinite.reject(found.value, technique) || isBlack(found.value)) return;

@@ -30,6 +30,8 @@ struct LightEdge {
     double cosineLight = 1;    ///< |cos| at x0, 1 where there is no surface
     double cosineSurface = 1;  ///< |cos| at x1 (geometric normal)
     double distanceSquared = 1;
+    double arrival = 1;         ///< Passage::arrival() at x1, from x0
+    double arrivalAtLight = 1;  ///< at x0, from x1
 
     double pdfEmission() const { return pdfPosition * pdfDirection; }
     /// Density of next-event estimation at x0, in the measure in which the eye subpath arrives there: per
@@ -40,7 +42,7 @@ struct LightEdge {
     /// p_trace(x0) p->(x1) / p_nee(x0), all densities per area (directions for infinite lights): the factors
     /// before the sums of TR eq. 31 and 45, for delta lights of eq. 48.
     double emissionOverNee() const {
-        const double emitted = pdfEmission() * cosineSurface;
+        const double emitted = pdfEmission() * cosineSurface * arrival;
         switch (kind) {
             case EndpointKind::Surface:
                 return emitted / (pdfNee * cosineLight);
@@ -98,7 +100,7 @@ struct MisState {
         s.dVCM = n.nee / e.emissionOverNee();
         if (!e.delta) {
             const double cosine = e.kind == EndpointKind::Surface ? e.cosineLight : 1.0;
-            s.dEnd = n.hit * cosine / (e.pdfEmission() * e.cosineSurface);
+            s.dEnd = n.hit * cosine * e.arrivalAtLight / (e.pdfEmission() * e.cosineSurface * e.arrival);
         }
         return s;
     }
@@ -109,6 +111,14 @@ struct MisState {
         dVCM *= distanceSquared / cosine;
         dEnd /= cosine;
         dInner /= cosine;
+    }
+
+    /// The edge of the arrival led through media: `forward` and `reverse` are factors of the densities of its
+    /// far end and of its near end (Passage::arrival).
+    void pass(double forward, double reverse) {
+        dVCM /= forward;
+        dEnd *= reverse / forward;
+        dInner *= reverse / forward;
     }
 
     /// Scattering by a smooth lobe. `cosine` is that of the outgoing direction with the geometric normal;
@@ -161,7 +171,8 @@ inline EyeWeight hitWeight(const Strategies& n, const MisState& eye, double pdfN
 inline EyeWeight neeWeight(const Strategies& n, const MisState& eye, const LightEdge& e, double pdfFromEye,
                            double pdfFromLight) {
     const double factor = n.eyeFactor({eye.region, eye.smooth + 1});
-    const double lightSide = e.delta ? 0.0 : n.hit / n.nee * pdfFromEye / e.pdfNee;  // TR eq. 44
+    const double lightSide =
+        e.delta ? 0.0 : n.hit / n.nee * pdfFromEye * e.arrivalAtLight / e.pdfNee;  // TR eq. 44
     const double eyeSide =
         e.emissionOverNee() / (n.nee * factor) * eye.sums(n, pdfFromLight).total();  // TR eq. 45
     return {1.0 / (1.0 + lightSide + eyeSide), 1.0 / (1.0 + lightSide)};
@@ -186,10 +197,10 @@ struct LightWeight {
 /// Of connecting a light vertex to the camera, in a region of the film. pdfAreaFromEye: of the vertex,
 /// sampled by the camera; pdfFromEye: of the direction to the light subpath's predecessor.
 inline LightWeight splatWeight(const Strategies& n, const MisState& light, uint16_t region,
-                               double pdfAreaFromEye, double pdfFromEye) {
+                               double pdfAreaFromEye, double pdfFromEye, bool inMedium = false) {
     const double factor = n.eyeFactor({region, light.smooth + 1});
     const double scale = pdfAreaFromEye / n.splat;
-    const MisState::Sums s = light.sums(n, pdfFromEye, 1);
+    const MisState::Sums s = light.sums(n, pdfFromEye, n.certainMergeShare(inMedium));
     const double weight = 1.0 / (1.0 + scale * s.total(factor));  // TR eq. 46
     return LightWeight::of(weight, weight * scale * factor * s.end, factor);
 }

@@ -5,7 +5,6 @@
 
 #include "sampling/sample_stream.h"
 
-
 namespace metrolux::core::layout {
 
 /// Place in a block of one coordinate, and of two that belong together.
@@ -35,6 +34,11 @@ inline constexpr One kLength{5};     ///< of a multiplexed path
 inline constexpr One kLobe{0};
 inline constexpr Two kDirection{1};
 inline constexpr One kRoulette{3};
+
+/// In scenes with media each edge has a block too, before that of the vertex where it ends.
+inline constexpr One kDistance{0};
+constexpr int blockOf(int depth, bool media) { return media ? 2 * depth : depth; }
+constexpr int distanceBlockOf(int depth) { return 2 * depth - 1; }
 
 /// The block of an eye vertex in the sample of next-event estimation.
 inline constexpr One kNeeLight{0};  ///< choice of the light

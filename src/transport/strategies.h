@@ -19,6 +19,8 @@ struct Strategies {
     /// sampled more densely than evenly (split_mcmc).
     double splat = 0;
     double merge = 0;  ///< eta = N pi r^2
+    /// Of merging in media, N 4/3 pi r^3 with a radius of its own, over `merge`; 0: off.
+    double mergeInMedia = 0;
     /// Photon mapping: an eye subpath ends at its first vertex that can merge, and merging is the technique
     /// of all paths that have one; hit is that of the others. Else it merges at every vertex.
     enum class MergeAt : uint8_t { EveryVertex, FirstVertex } mergeAt = MergeAt::EveryVertex;
@@ -48,12 +50,17 @@ struct Strategies {
         return 1 / std::max(1.0, merge / std::max(hit, nee) * double(photons->roughlyAt(p)));
     }
 
+    /// At a vertex that is not there by chance.
+    double certainMergeShare(bool inMedium) const { return inMedium ? mergeInMedia : 1.0; }
+
     static Strategies path() { return {.hit = 1, .nee = 1}; }
     /// Eye subpaths that find lights by hitting them only.
     static Strategies hitsAlone() { return {.hit = 1}; }
     /// Light subpaths that are connected to the camera only.
     static Strategies splatsAlone() { return {.splat = 1}; }
-    static Strategies photonMapping() { return {.hit = 1, .merge = 1, .mergeAt = MergeAt::FirstVertex}; }
+    static Strategies photonMapping() {
+        return {.hit = 1, .merge = 1, .mergeInMedia = 1, .mergeAt = MergeAt::FirstVertex};
+    }
     /// All five: lambda is the number of light subpaths (with the density boost of chains) for each eye
     /// subpath; eta = 0 leaves merging out.
     static Strategies bidirectional(double lambda, double eta, const PhotonDensity* photons = nullptr,

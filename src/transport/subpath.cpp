@@ -13,7 +13,8 @@ void continueWalk(const WalkRules& walk, SampleStream& stream, SubpathVisitor& v
         WalkEdge edge;
         if (!scatter(walk, stream, v, edge) || !visitor.scattered(edge.delta)) return;
         const Vec3f from = v.si.p;
-        if (!walk.scene.intersect(edge.ray, v.si)) {
+        const bool found = walk.scene.intersect(edge.ray, v.si);
+        if (!passMedia(walk, stream, v.depth + 1, found, edge, v)) {
             visitor.escaped(from, edge, v.depth + 1);
             return;
         }
@@ -31,7 +32,8 @@ void traceEyeSubpath(const Scene& scene, SampleStream& stream, const PathLimits&
     WalkEdge first;
     if (!startEye(walk, read(stream, layout::kLens), raster, weight, first)) return;
     Vertex v;
-    if (!scene.intersect(first.ray, v.si)) {
+    const bool found = scene.intersect(first.ray, v.si);
+    if (!passMedia(walk, stream, 1, found, first, v)) {
         visitor.escaped(first.ray.origin, first, 1);
         return;
     }
@@ -44,7 +46,8 @@ void traceLightSubpath(const Scene& scene, SampleStream& stream, const PathLimit
     LightStart start;
     if (!startLight(walk, stream, start)) return;
     Vertex v;
-    if (scene.intersect(start.ray, v.si) && arriveFromLight(walk, start, v))
+    const bool found = scene.intersect(start.ray, v.si);
+    if (passMedia(walk, stream, found, start, v) && arriveFromLight(walk, start, v))
         continueWalk(walk, stream, visitor, v);
 }
 

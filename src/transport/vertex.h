@@ -10,18 +10,21 @@
 
 namespace metrolux::core {
 
-/// A surface vertex of a subpath: a plain value that can be connected and merged without its subpath.
+/// A vertex of a subpath, on a surface or in a medium: a plain value that can be connected and merged without
+/// its subpath.
 struct Vertex {
     SurfaceInteraction si;
     Vec3f toPrevious{0.0f};  ///< unit direction to the predecessor
     float distanceToPrevious = 0;
-    Rgb throughput{0.0f};  ///< product of value / density up to the arrival at this vertex
-    MisState mis;          ///< at arrival
-    uint32_t pixel = 0;    ///< eye subpaths: index in the rendered window
-    int depth = 0;         ///< edges between the endpoint and this vertex
+    Rgb throughput{0.0f};    ///< product of value / density up to the arrival at this vertex
+    MediumIndex medium = 0;  ///< through which the subpath has come
+    bool inMedium = false;   ///< it is a point of `medium`, not of a surface
+    MisState mis;            ///< at arrival
+    uint32_t pixel = 0;      ///< eye subpaths: index in the rendered window
+    int depth = 0;           ///< edges between the endpoint and this vertex
 
-    // What a vertex scatters and emits by. Here alone it is known to lie on a surface with a BSDF: one in a
-    // medium would answer by its phase function.
+    // What a vertex scatters and emits by. Here alone it is known to be a BSDF, which in a medium is that of
+    // media/medium_point.h.
 
     /// Whether other subpaths can be joined with it; false if it only has delta lobes.
     bool hasSmoothLobe() const { return bsdf().hasSmoothLobe(); }
@@ -31,8 +34,12 @@ struct Vertex {
     /// Null unless it lies on an area light.
     const Light* emitter() const { return si.shape->emitter.get(); }
     /// Factor of a direction in all densities per area and geometric factors: |cos| with the geometric
-    /// normal.
-    float cosine(const Vec3f& w) const { return absDot(w, si.ng); }
+    /// normal, in a medium (densities per volume) 1.
+    float cosine(const Vec3f& w) const { return inMedium ? 1.0f : absDot(w, si.ng); }
+    /// Bsdf::stopDensity() for a direction in world space. Lamps are vertices whatever their BSDF lets pass.
+    Rgb stopDensity(const Vec3f& w) const {
+        return si.shape->emitter ? Rgb(1.0f) : bsdf().stopDensity(si, si.toLocal(w));
+    }
     /// Directions in the frame of the shading normal: `known` to the predecessor, the result away from it.
     std::optional<BsdfSample> sample(const Vec3f& known, TransportMode mode, float uLobe,
                                      const Vec2f& u) const {

@@ -2,6 +2,7 @@
 #include "sampling/sample_stream.h"
 #include "scene/scene.h"
 #include "transport/light_edge.h"
+#include "transport/passage.h"
 #include "transport/primary_layout.h"
 #include "transport/vertex.h"
 
@@ -17,6 +18,9 @@ struct WalkEdge {
     Rgb throughput{0.0f};
     MisState mis;        ///< after scattering, before arrival
     bool delta = false;  ///< scattered by a delta lobe
+    // In scenes with media:
+    MediumIndex medium = 0;  ///< in which the ray starts
+    Rgb stop{1.0f};          ///< stopDensity() of the vertex at its start
 };
 
 /// What is the same for all vertices of a walk.
@@ -30,6 +34,8 @@ struct WalkRules {
     static constexpr int kDepthCap = 512;
     int depthLimit() const { return limits.maxDepth < 0 ? kDepthCap : std::min(limits.maxDepth, kDepthCap); }
     bool plays(int depth) const { return depth >= limits.rouletteDepth; }
+    /// Block of the numbers of a vertex.
+    int block(int depth) const { return layout::blockOf(depth, scene.hasMedia()); }
 };
 
 /// Chooses the next direction at `v`: `uLobe` picks the lobe, `u` the direction. `roulette()` gives the
@@ -68,15 +74,35 @@ bool scatter(const WalkRules& walk, const Vertex& v, float uLobe, const Vec2f& u
         next.mis.scatter(walk.strategies, cosine, s->pdfForward, s->pdfReverse);
     }
     next.ray = {offsetRayOrigin(v.si.p, v.si.ng, direction), direction, kInfinity};
+    if (walk.scene.hasMedia()) {
+        next.medium = mediumBeyond(v, direction);
+        next.stop = v.stopDensity(direction);
+    }
     return true;
 }
 
 /// The same with the numbers of the vertex's block of `stream`.
 inline bool scatter(const WalkRules& walk, SampleStream& stream, const Vertex& v, WalkEdge& next) {
-    const float uLobe = read(stream, layout::kLobe, v.depth);
-    const Vec2f u = read(stream, layout::kDirection, v.depth);
+    const int block = walk.block(v.depth);
+    const float uLobe = read(stream, layout::kLobe, block);
+    const Vec2f u = read(stream, layout::kDirection, block);
     return scatter(
-        walk, v, uLobe, u, [&] { return read(stream, layout::kRoulette, v.depth); }, next);
+        walk, v, uLobe, u, [&] { return read(stream, layout::kRoulette, block); }, next);
+}
+
+/// To be called between tracing an edge of an eye subpath, or one after the first of a light subpath, and
+/// arriving: in scenes with media, where its end may be another than the surface at v.si that was `found`, if
+/// any. `depth`: of the vertex where it ends. False when the walk leaves the scene.
+inline bool passMedia(const WalkRules& walk, SampleStream& stream, int depth, bool found, WalkEdge& edge,
+                      Vertex& v) {
+    if (!walk.scene.hasMedia()) return found;
+    v.medium = edge.medium;
+    const WalkPassage passage =
+        walkAlong(walk.scene, edge.ray, edge.stop,
+                  read(stream, layout::kDistance, layout::distanceBlockOf(depth)), found, v);
+    edge.throughput *= passage.weight;
+    edge.mis.pass(passage.forward, passage.reverse);
+    return passage.ends;
 }
 
 /// The vertex before has become the one where `edge` ends: `v.si` is the hit, everything else still that of
@@ -97,7 +123,9 @@ inline bool arrive(const WalkEdge& edge, const Vec3f& from, bool& certain, Verte
 
 /// Sets v.mis.mergeShare. By itself, because it waits for the memory of Strategies::photons.
 inline void weighMerging(const WalkRules& walk, bool certain, Vertex& v) {
-    v.mis.mergeShare = certain ? 1.0f : static_cast<float>(walk.strategies.mergeShare(v.si.p));
+    v.mis.mergeShare = v.inMedium || certain
+                           ? static_cast<float>(walk.strategies.certainMergeShare(v.inMedium))
+                           : static_cast<float>(walk.strategies.mergeShare(v.si.p));
 }
 
 /// The first edge of an eye subpath, from the camera through `raster`. False when no light can come that way.
@@ -111,6 +139,7 @@ inline bool startEye(const WalkRules& walk, const Vec2f& uLens, const Vec2f& ras
                            walk.strategies.regionOf(raster));
     first.throughput = start->weight * weight;
     first.ray = {start->origin, start->direction, kInfinity};
+    first.medium = walk.scene.cameraMedium();
     return true;
 }
 
@@ -146,6 +175,16 @@ inline bool startLight(const WalkRules& walk, SampleStream& stream, LightStart& 
     start.ray = {surface ? offsetRayOrigin(point->origin, point->ng, point->direction) : point->origin,
                  point->direction, kInfinity};
     return true;
+}
+
+/// As passMedia(), for the first edge of a light subpath.
+inline bool passMedia(const WalkRules& walk, SampleStream& stream, bool found, LightStart& start, Vertex& v) {
+    if (!walk.scene.hasMedia()) return found;
+    const float u = read(stream, layout::kDistance, layout::distanceBlockOf(1));
+    v.medium = walk.scene.mediumOf(*start.choice.light, start.point);
+    start.passage = walkAlong(walk.scene, start.ray, Rgb(1.0f), u, found, v);
+    start.point.weight *= start.passage.weight;
+    return start.passage.ends;
 }
 
 /// As arrive(), at the first vertex.

@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "base/prefetch.h"
 #include "sampling/sobol.h"
+#include "sampling/streams.h"
 #include "transport/connect.h"
 #include "wavefront/prefetching.h"
 
@@ -67,11 +68,16 @@ void EyeWavefront::arrive(std::span<const uint32_t> pixels, int depth) {
         Subpath& subpath = subpaths_[active_[k]];
         Vertex& v = subpath.v;
         const Vec3f from = depth == 1 ? subpath.edge.ray.origin : v.si.p;
-        if (!rays_.hits[k].found()) {
+        bool found = rays_.hits[k].found();
+        if (found) intersector.interaction(rays_, k, v.si);
+        if (walk.scene.hasMedia()) {
+            SobolStream stream(pass_.key(film_.window(), pixels[active_[k]]), pass_.pass);
+            found = passMedia(walk, stream, depth, found, subpath.edge, v);
+        }
+        if (!found) {
             subpath.sum.add(pass_.escaped(from, subpath.edge, depth));
             continue;
         }
-        intersector.interaction(rays_, k, v.si);
         if (!(depth == 1 ? arriveFromCamera(walk, subpath.edge, pixels[active_[k]], v)
                          : metrolux::core::arrive(subpath.edge, from, subpath.certain, v)))
             continue;
@@ -92,25 +98,26 @@ void EyeWavefront::makeNumbers(int depth) {
     };
     const uint32_t index = sobol::reverseBits(pass_.pass);
     Numbers& u = numbers_;
-    const auto makeOne = [&](const std::vector<uint64_t>& keys, layout::One coordinate,
+    const auto makeOne = [&](const std::vector<uint64_t>& keys, layout::One coordinate, int block,
                              std::vector<float>& x) {
         x.resize(n);
-        sobol::points1D(keys, index, static_cast<uint64_t>(indexOf(coordinate, depth)), x.data());
+        sobol::points1D(keys, index, static_cast<uint64_t>(indexOf(coordinate, block)), x.data());
     };
-    const auto makeTwo = [&](const std::vector<uint64_t>& keys, layout::Two coordinates,
+    const auto makeTwo = [&](const std::vector<uint64_t>& keys, layout::Two coordinates, int block,
                              std::vector<float>& x, std::vector<float>& y) {
         x.resize(n);
         y.resize(n);
-        sobol::points2D(keys, index, static_cast<uint64_t>(indexOf(coordinates, depth)), x.data(), y.data());
+        sobol::points2D(keys, index, static_cast<uint64_t>(indexOf(coordinates, block)), x.data(), y.data());
     };
+    const int block = pass_.rules().block(depth);
     pick(eyeKeys_, u.eyeKeys);
-    makeOne(u.eyeKeys, layout::kLobe, u.lobe);
-    makeTwo(u.eyeKeys, layout::kDirection, u.scatterX, u.scatterY);
-    if (pass_.rules().plays(depth)) makeOne(u.eyeKeys, layout::kRoulette, u.roulette);
+    makeOne(u.eyeKeys, layout::kLobe, block, u.lobe);
+    makeTwo(u.eyeKeys, layout::kDirection, block, u.scatterX, u.scatterY);
+    if (pass_.rules().plays(depth)) makeOne(u.eyeKeys, layout::kRoulette, block, u.roulette);
     if (!(pass_.strategies.nee > 0)) return;
     pick(neeKeys_, u.neeKeys);
-    makeOne(u.neeKeys, layout::kNeeLight, u.light);
-    makeTwo(u.neeKeys, layout::kNeePoint, u.lightX, u.lightY);
+    makeOne(u.neeKeys, layout::kNeeLight, depth, u.light);
+    makeTwo(u.neeKeys, layout::kNeePoint, depth, u.lightX, u.lightY);
 }
 
 void EyeWavefront::gather(Kept& kept) {

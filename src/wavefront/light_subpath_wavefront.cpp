@@ -25,8 +25,10 @@ class LightSubpathWavefront {
         WalkEdge edge;
         VertexGrid::Cells cells;
         PhotonDensity::Bucket counted = 0;
-        bool smooth = false, merges = false;  ///< at the last vertex
-        size_t nearEnd = 0;                   ///< where its own end in near_
+        // At the last vertex:
+        bool smooth = false, isCounted = false;
+        const VertexGrid* grid = nullptr;  ///< LightSubpathPass::gridFor()
+        size_t nearEnd = 0;                ///< where its own end in near_
     };
     /// A connection of a subpath that waits for its shadow ray.
     struct Waiting {
@@ -102,16 +104,19 @@ void LightSubpathWavefront::start() {
 void LightSubpathWavefront::arrive(int depth) {
     const WalkRules walk = pass_->rules();
     const Intersector& intersector = pass_->scene.intersector();
-    const bool merging = pass_->merges();
     size_t arrived = 0;
     for (size_t k = 0; k < active_.size(); ++k) {
         intersector.prefetchAfter(rays_, k);
         const uint32_t i = active_[k];
         Subpath& subpath = subpaths_[i];
         Vertex& v = subpath.v;
-        if (!rays_.hits[k].found()) continue;
         const Vec3f from = v.si.p;
-        intersector.interaction(rays_, k, v.si);
+        const bool found = rays_.hits[k].found();
+        if (found) intersector.interaction(rays_, k, v.si);
+        SampleStream& stream = *subpath.job.stream;
+        if (!(depth == 1 ? passMedia(walk, stream, found, starts_[i], v)
+                         : passMedia(walk, stream, depth, found, subpath.edge, v)))
+            continue;
         bool certain = false;
         if (!(depth == 1 ? arriveFromLight(walk, starts_[i], v)
                          : metrolux::core::arrive(subpath.edge, from, certain, v)))
@@ -119,12 +124,13 @@ void LightSubpathWavefront::arrive(int depth) {
         // What the next steps read, when all subpaths have arrived.
         prefetchMergeShare(walk.strategies, v.si.p);
         subpath.smooth = v.hasSmoothLobe();
-        subpath.merges = subpath.smooth && merging;
-        if (subpath.merges) {
-            subpath.cells = pass_->grid.cellsOf(v.si.p);
-            prefetchBuckets(pass_->grid, subpath.cells);
+        subpath.grid = subpath.smooth ? pass_->gridFor(v) : nullptr;
+        if (subpath.grid) {
+            subpath.cells = subpath.grid->cellsOf(v.si.p);
+            prefetchBuckets(*subpath.grid, subpath.cells);
         }
-        if (subpath.smooth && subpath.job.counted) {
+        subpath.isCounted = subpath.smooth && !v.inMedium;
+        if (subpath.isCounted && subpath.job.counted) {
             subpath.counted = subpath.job.counted->bucketOf(v.si.p);
             prefetchCounter(*subpath.job.counted, subpath.counted);
         }
@@ -138,8 +144,8 @@ void LightSubpathWavefront::prepare() {
     for (const uint32_t i : active_) {
         Subpath& subpath = subpaths_[i];
         weighMerging(walk, false, subpath.v);
-        if (subpath.merges) prefetchEntries(pass_->grid, subpath.cells);
-        if (!subpath.smooth) continue;
+        if (subpath.grid) prefetchEntries(*subpath.grid, subpath.cells);
+        if (!subpath.isCounted) continue;
         if (subpath.job.counted) subpath.job.counted->count(subpath.counted);
         if (subpath.job.trail) subpath.job.trail->push_back(subpath.v.si.p);
     }
@@ -161,8 +167,7 @@ void LightSubpathWavefront::splat(int depth) {
     }
     if (pass_->work) pass_->work->splats += tried;
     traceShadows();
-    for (const Waiting& w : waiting_)
-        pass_->addToFilm(w.raster, w.found, *subpaths_[w.subpath].job.splats);
+    for (const Waiting& w : waiting_) pass_->addToFilm(w.raster, w.found, *subpaths_[w.subpath].job.splats);
     waiting_.clear();
 }
 
@@ -205,29 +210,30 @@ void LightSubpathWavefront::traceShadows() {
 
 void LightSubpathWavefront::merge(int depth) {
     const std::span<const Vertex> eyes = pass_->eyes.all();
-    const VertexGrid& grid = pass_->grid;
     near_.clear();
     for (const uint32_t i : active_) {
         Subpath& subpath = subpaths_[i];
-        if (subpath.merges) appendWithin(grid, subpath.v.si.p, subpath.cells, near_);
+        if (subpath.grid) appendWithin(*subpath.grid, subpath.v.si.p, subpath.cells, near_);
         subpath.nearEnd = near_.size();
     }
-    const double r = grid.radius(), inverseDiskArea = 1.0 / (double(kPi) * r * r);
     const auto ahead = [&](size_t k) {
         if (k < near_.size()) prefetch(&eyes[near_[k]], sizeof(Vertex));
     };
     for (size_t k = 0; k < kAhead; ++k) ahead(k);
     uint64_t merged = 0;
     size_t k = 0;
-    for (const uint32_t i : active_)
-        for (const Subpath& subpath = subpaths_[i]; k < subpath.nearEnd; ++k) {
+    for (const uint32_t i : active_) {
+        const Subpath& subpath = subpaths_[i];
+        if (k == subpath.nearEnd) continue;
+        const double kernel = LightSubpathPass::kernelOf(*subpath.grid, subpath.v.inMedium);
+        for (; k < subpath.nearEnd; ++k) {
             ahead(k + kAhead);
             const Vertex& eye = eyes[near_[k]];
             if (!pass_->limits.admits(depth + eye.depth)) continue;
             ++merged;
-            pass_->addMerge(mergeVertices(pass_->strategies, subpath.v, eye, inverseDiskArea), subpath.v, eye,
-                            *subpath.job.splats);
+            pass_->merge(subpath.v, eye, kernel, *subpath.job.splats);
         }
+    }
     if (pass_->work) pass_->work->merges += merged;
 }
 

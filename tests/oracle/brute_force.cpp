@@ -65,13 +65,40 @@ struct BruteForce::Geometry {
           m(static_cast<int>(path.inner.size())),
           eye(oracle.lens.point(path.uLens)),
           infiniteEye(oracle.lens.kind == Lens::Orthographic),
-          axis(oracle.lens.axis) {}
+          axis(oracle.lens.axis),
+          lens(oracle.lens),
+          media(oracle.media) {}
 
     const FullPath& path;
     int m;  ///< inner vertices; the camera is x_{m+1}
     Vec3f eye;
     bool infiniteEye;
     Vec3f axis;
+    const OracleLens& lens;
+    const OracleMedia& media;
+
+    /// Probability that a walk along the edge from x_i to x_{i+1} gets through, of the whole path: for i = 0
+    /// from the light, for i = m from where rays of the camera begin.
+    Rgb survival(int i) const {
+        const float far = 100;
+        if (i == 0)
+            return media.survival(infiniteLight() ? x(1).p + path.toLight * far : path.lightPosition, x(1).p);
+        if (i < m) return media.survival(x(i).p, x(i + 1).p);
+        const Vec3f w = towardEye(m);
+        const float along = -dot(w, axis);
+        const float length = infiniteEye ? dot(x(m).p - lens.origin, axis) : (eye - x(m).p).length();
+        return media.survival(x(m).p, x(m).p + w * (length - static_cast<float>(lens.near) / along));
+    }
+    /// Factor of the density of x_i from its being the end of a walk through an edge.
+    double arrival(int i, const Rgb& survived) const {
+        if (!inMedium(i)) {
+            const bool veil = x(i).shape->bsdf->hasNullLobe();
+            return double(average(survived)) * (veil && media.present ? stopAtVeil() : 1.0);
+        }
+        return double(average(survived * media.extinction(x(i).p)));
+    }
+    /// The probability not to pass it.
+    double stopAtVeil() const { return double(OracleMedia::kVeilOpacity); }
 
     const SurfaceInteraction& x(int i) const { return path.inner[i - 1].si; }
     bool infiniteLight() const { return path.light->isInfinite(); }
@@ -83,6 +110,9 @@ struct BruteForce::Geometry {
         if (i < m) return directionBetween(x(i).p, x(i + 1).p);
         return infiniteEye ? -axis : directionBetween(x(m).p, eye);
     }
+    /// Factor of a direction in the density of x_i: none in a medium.
+    double cosine(int i, const Vec3f& w) const { return inMedium(i) ? 1.0 : double(absDot(w, x(i).ng)); }
+    bool inMedium(int i) const { return x(i).ng == Vec3f(0.0f); }
     double cosineAtLight() const {
         return infiniteLight() || path.light->isDelta() ? 1.0 : absDot(towardLight(1), path.lightPoint.ng);
     }
@@ -103,23 +133,25 @@ std::map<TechniqueKey, double> BruteForce::weights(const FullPath& path) const {
     const double d2 = g.firstLengthSquared();
     const double emission = scene_.emissionProbability(path.light);
     forward[0] = (g.infiniteLight() ? d.pdfDirection : d.pdfPosition) * emission;
-    forward[1] =
-        (g.infiniteLight() ? d.pdfPosition : d.pdfDirection / d2) * absDot(g.towardLight(1), g.x(1).ng);
+    forward[1] = (g.infiniteLight() ? d.pdfPosition : d.pdfDirection / d2) * g.cosine(1, g.towardLight(1)) *
+                 g.arrival(1, g.survival(0));
     double nee0 = scene_.connectionProbability(g.x(1).p, path.light);
     if (!path.light->isDelta()) nee0 *= d.connect * (g.infiniteLight() ? 1.0 : g.cosineAtLight() / d2);
 
     for (int i = 1; i < m; ++i)
         forward[i + 1] = scatterDensity(path.inner[i - 1], g.towardLight(i), g.towardEye(i), true) *
-                         absDot(g.towardEye(i), g.x(i + 1).ng) / lengthSquared(g.x(i + 1).p - g.x(i).p);
+                         g.cosine(i + 1, g.towardEye(i)) * g.arrival(i + 1, g.survival(i)) /
+                         lengthSquared(g.x(i + 1).p - g.x(i).p);
     for (int i = m; i >= 1; --i) {
         const double pdf = scatterDensity(path.inner[i - 1], g.towardLight(i), g.towardEye(i), false);
         if (i > 1)
-            backward[i - 1] =
-                pdf * absDot(g.towardLight(i), g.x(i - 1).ng) / lengthSquared(g.x(i - 1).p - g.x(i).p);
+            backward[i - 1] = pdf * g.cosine(i - 1, g.towardLight(i)) * g.arrival(i - 1, g.survival(i - 1)) /
+                              lengthSquared(g.x(i - 1).p - g.x(i).p);
         else
-            backward[0] = g.infiniteLight() ? pdf : pdf * g.cosineAtLight() / d2;
+            backward[0] =
+                (g.infiniteLight() ? pdf : pdf * g.cosineAtLight() / d2) * double(average(g.survival(0)));
     }
-    const double cosine = absDot(g.towardEye(m), g.x(m).ng);
+    const double cosine = g.cosine(m, g.towardEye(m)) * g.arrival(m, g.survival(m));
     backward[m] = g.infiniteEye
                       ? oracle_.lens.pdfPosition() * cosine
                       : oracle_.lens.pdfDirection(-g.towardEye(m)) * cosine / lengthSquared(g.x(m).p - g.eye);
@@ -144,8 +176,8 @@ std::map<TechniqueKey, double> BruteForce::weights(const FullPath& path) const {
         bool certain = true;  // only delta scattering between x_s and the camera
         for (int s = m; s >= 1; --s) {
             if (!joins(s)) continue;
-            density[{"merge", s}] =
-                n_.merge * product(s) * forward[s] * (certain ? 1.0 : n_.mergeShare(g.x(s).p));
+            const double share = g.inMedium(s) ? n_.mergeInMedia : certain ? 1.0 : n_.mergeShare(g.x(s).p);
+            density[{"merge", s}] = n_.merge * product(s) * forward[s] * share;
             certain = false;
         }
     }
@@ -158,18 +190,27 @@ std::map<TechniqueKey, double> BruteForce::weights(const FullPath& path) const {
 bool BruteForce::wellConditioned(const FullPath& path) const {
     const Geometry g(oracle_, path);
     const auto grazing = [&](int i, const Vec3f& w) {
+        if (g.inMedium(i)) return false;
         const InnerVertex& v = path.inner[i - 1];
         const float least = v.si.shape->bsdf->hasSmoothLobe() && !v.delta ? 0.2f : 0.4f;
         return absDot(w, v.si.ng) < least || absDot(w, v.si.ns) < least;
     };
     constexpr float kShortest = 0.3f;
+    constexpr float kFar = 100;
+    for (int i = 1; i <= g.m; ++i)
+        if (oracle_.media.isGrazing(g.x(i).p, i < g.m ? g.x(i + 1).p : g.x(i).p + g.towardEye(i)))
+            return false;
+    if (oracle_.media.isGrazing(g.x(1).p, g.x(1).p + g.towardLight(1) * kFar)) return false;
     for (int i = 1; i <= g.m; ++i)
         if (grazing(i, g.towardLight(i)) || grazing(i, g.towardEye(i))) return false;
     for (int i = 1; i < g.m; ++i)
         if ((g.x(i).p - g.x(i + 1).p).length() < kShortest) return false;
     if (!g.infiniteEye && (g.x(g.m).p - g.eye).length() < kShortest) return false;
     if (g.infiniteLight()) return true;
-    return g.firstLengthSquared() >= sqr(kShortest) && g.cosineAtLight() >= 0.2;
+    // A vertex in a medium lies on the ray, which starts off the lamp, and not quite in its direction from
+    // there.
+    const double leastCosine = oracle_.media.present ? 0.4 : 0.2;
+    return g.firstLengthSquared() >= sqr(kShortest) && g.cosineAtLight() >= leastCosine;
 }
 
 EndpointDensities BruteForce::densities(const FullPath& path, const Geometry& g) const {

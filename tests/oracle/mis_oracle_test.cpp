@@ -35,7 +35,7 @@ std::string nameOf(const Case& c) {
                                  "Directional", "Constant",          "EnvironmentMap", "SunSky",
                                  "Many",        "ManyAndEnvironment"};
     constexpr std::array kLenses{"", "ThinLens", "Orthographic", "Panorama", "Fisheye"};
-    constexpr std::array kMaterials{"", "MixedLobes", "ShadingNormals", "Layered"};
+    constexpr std::array kMaterials{"", "MixedLobes", "ShadingNormals", "Layered", "Media"};
     std::string name = kLights[static_cast<size_t>(c.lighting)];
     name += kLenses[static_cast<size_t>(c.lens)];
     name += kMaterials[static_cast<size_t>(c.materials)];
@@ -73,6 +73,17 @@ std::vector<Case> everyCombination() {
     return cases;
 }
 
+std::vector<Case> media() {
+    std::vector<Case> cases;
+    for (const Lighting l : {Lighting::Area, Lighting::SphereArea, Lighting::Point, Lighting::Directional,
+                             Lighting::Constant, Lighting::ManyAndEnvironment})
+        for (const Lens lens : {Lens::Pinhole, Lens::Thin, Lens::Orthographic}) {
+            const auto turn = static_cast<int>(l) + static_cast<int>(lens);
+            cases.push_back({l, turn % 3 != 0, turn % 2 == 0 ? 1 : 0.25, lens, Materials::Media, 3000, 1.7});
+        }
+    return cases;
+}
+
 /// A density of photons that makes the shares of merging differ from vertex to vertex.
 void countPhotons(const Scene& scene, PhotonDensity& photons) {
     constexpr int kSubpaths = 2000;
@@ -104,6 +115,7 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
                                              &photons, 0.3);
     n.connect = c.connect;
     n.nee *= c.nee;
+    if (c.materials == Materials::Media) n.mergeInMedia = 0.7;
     // Half of the cases with factors of what eye subpaths find alone.
     EyeFactors factors(scene.camera().window());
     CounterRng rng(7);
@@ -113,7 +125,8 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
 
     std::map<std::string, Deviations> found;
     double worstSum = 0;
-    int mixed = 0;  // vertices at which a path follows one of several kinds of lobes
+    std::map<std::string, int> inMedia;  // vertices, for each technique
+    int mixed = 0;                       // vertices at which a path follows one of several kinds of lobes
     const auto check = [&](const TechniqueKey& technique, const FullPath& path, double weight) {
         if (!path.found || !bruteForce.wellConditioned(path)) return;
         const auto weights = bruteForce.weights(path);
@@ -126,6 +139,7 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
         Deviations& d = found[technique.first];
         d.relative.push_back(std::abs(weight - it->second) / std::max(it->second, 1e-3));
         d.lights.insert(path.light);
+        for (const InnerVertex& v : path.inner) inMedia[technique.first] += v.si.ng == Vec3f(0.0f);
         for (const InnerVertex& v : path.inner) mixed += v.delta && v.si.shape->bsdf->hasSmoothLobe();
     };
 
@@ -167,12 +181,18 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
     if (c.merging) {
         EXPECT_GT(paths.reducedShares(), 1000) << "the photons' density made no difference";
     }
+    if (c.materials == Materials::Media) {
+        for (const std::string& name : techniques)
+            EXPECT_GT(inMedia[name], 300) << name << ": hardly a vertex in a medium";
+    }
     if (c.materials == Materials::Mixed || c.materials == Materials::Layered) {
         EXPECT_GT(mixed, 1000) << "hardly a path follows a coat or a veil";
     }
 }
 
 INSTANTIATE_TEST_SUITE_P(Lights, MisOracle, ::testing::ValuesIn(everyLight()),
+                         [](const auto& i) { return nameOf(i.param); });
+INSTANTIATE_TEST_SUITE_P(Media, MisOracle, ::testing::ValuesIn(media()),
                          [](const auto& i) { return nameOf(i.param); });
 INSTANTIATE_TEST_SUITE_P(Scenes, MisOracle, ::testing::ValuesIn(everyCombination()),
                          [](const auto& i) { return nameOf(i.param); });

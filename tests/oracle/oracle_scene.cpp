@@ -9,6 +9,7 @@
 #include "scattering/diffuse_transmitter.h"
 #include "scattering/mask.h"
 #include "scattering/mixture.h"
+#include "scattering/null_bsdf.h"
 #include "scattering/plastic.h"
 #include "scattering/rough_diffuse.h"
 #include "scattering/textures/bitmap_texture.h"
@@ -87,7 +88,7 @@ TexturePtr picture() {
 
 BsdfPtr veil() {
     MaskParameters p;
-    p.opacity = constant(Rgb(0.6f));
+    p.opacity = constant(Rgb(OracleMedia::kVeilOpacity));
     p.nested = diffuse(0.8f);
     return makeMask(p);
 }
@@ -97,6 +98,29 @@ struct Palette {
     BsdfPtr screen;  ///< upright in the room; none without
 };
 
+// Of Materials::Media. The fog ends far outside of the camera and the lamps, so that light of the sky gets
+// in.
+struct Ball {
+    Vec3f center;
+    float radius;
+};
+const Ball kFogBall{{0, 1, 0}, 7}, kDenseBall{{1.6f, 1.1f, 1.4f}, 0.65f}, kGlassBall{{0.3f, 1.2f, 0}, 0.6f};
+const Rgb kFog(0.15f, 0.3f, 0.1f), kDense(1.2f, 0.7f, 0.9f);
+const Vec3f kVeilCenter{-1.5f, 1.5f, 1.8f};
+constexpr float kVeilX = 0.8f, kVeilY = 1.2f;  // half its width and height
+
+/// Fills what is there with media, in the order fog, dense, absorbing.
+void fill(SceneBuilder& b) {
+    b.media() = {makeHomogeneousMedium(kFog, Rgb(0.8f, 0.6f, 0.9f), makeHenyeyGreensteinPhase(0.4f)),
+                 makeHomogeneousMedium(kDense, Rgb(0.9f, 0.5f, 0.7f), makeRayleighPhase()),
+                 makeHomogeneousMedium(Rgb(0.5f, 0.2f, 1), Rgb(0.0f), makeIsotropicPhase())};
+    const auto boundary = [&](const Ball& ball, MediumSides sides) {
+        b.add(makeSphere(Transform(), Vec3d(ball.center), ball.radius, false), makeNullBsdf())->media = sides;
+    };
+    boundary(kFogBall, {1, 0});
+    boundary(kDenseBall, {2, 1});
+}
+
 Palette paletteOf(Materials materials, const BsdfPtr& veil) {
     Palette p;
     if (materials == Materials::Mixed) {
@@ -105,6 +129,7 @@ Palette paletteOf(Materials materials, const BsdfPtr& veil) {
         p.ball = blend(0.3f, glass(), diffuse(0.8f));
         p.screen = veil;
     }
+    if (materials == Materials::Media) p.screen = veil;
     if (materials == Materials::Layered) {
         p.floor = coated(diffuse(0.6f), {});
         p.wall = coated(roughMetal(), MicrofacetDistribution(MicrofacetType::Ggx, 0.3f, 0.3f));
@@ -123,14 +148,19 @@ void addSurfaces(SceneBuilder& b, Materials materials, const BsdfPtr& veil) {
     else
         b.add(rectangle({0, 0, 0}, {0, 1, 0}, 4, 4), palette.floor);
     b.add(rectangle({0, 2, -3}, {0, 0, 1}, 4, 3), palette.wall);
-    b.add(makeSphere(Transform(), {0.3f, 1.2f, 0}, 0.6f, false), palette.ball);
+    const ShapePtr ball =
+        b.add(makeSphere(Transform(), Vec3d(kGlassBall.center), kGlassBall.radius, false), palette.ball);
+    if (materials == Materials::Media) {
+        ball->media = MediumSides{3, 1};
+        fill(b);
+    }
     // Water above a part of the floor: an odd number of refractions, so that wrong factors do not cancel.
     if (shading)
         b.add(leaning({3, 0.4f, 0}, {0, 1, 0}, 2, 4, {0, 0, 1}), glass());
     else
         b.add(rectangle({3, 0.4f, 0}, {0, 1, 0}, 2, 4), glass());
     b.add(makeSphere(Transform(), {-1.2f, 0.6f, 0.5f}, 0.5f, false), palette.smallBall);
-    if (palette.screen) b.add(rectangle({-1.5f, 1.5f, 1.8f}, {0, 0, 1}, 0.8f, 1.2f), palette.screen);
+    if (palette.screen) b.add(rectangle(kVeilCenter, {0, 0, 1}, kVeilX, kVeilY), palette.screen);
 }
 
 Transform downward(const Vec3f& from) { return Transform::lookAt(from, {0.3f, 0, 0.3f}, {0, 0, 1}); }
@@ -239,12 +269,63 @@ Vec3f OracleLens::point(const Vec2f& uLens) const {
     return origin + x * onDisk.x + y * onDisk.y;
 }
 
+namespace {
+
+/// Length of the segment from a to b that lies in the ball.
+double lengthInside(const Ball& ball, const Vec3f& a, const Vec3f& b) {
+    using V = Imath::V3d;
+    const V d = V(b) - V(a), o = V(a) - V(ball.center);
+    const double length = d.length(), projected = o.dot(d) / length;
+    const double half = sqr(projected) - o.dot(o) + sqr(double(ball.radius));
+    if (half <= 0) return 0;
+    const double begin = std::max(-projected - std::sqrt(half), 0.0),
+                 end = std::min(-projected + std::sqrt(half), length);
+    return std::max(end - begin, 0.0);
+}
+
+bool crossesVeil(const Vec3f& a, const Vec3f& b) {
+    const float before = a.z - kVeilCenter.z, after = b.z - kVeilCenter.z;
+    constexpr float kOnIt = 1e-4f;
+    if (std::abs(before) < kOnIt || std::abs(after) < kOnIt || (before < 0) == (after < 0)) return false;
+    const Vec3f p = a + (b - a) * (before / (before - after));
+    return std::abs(p.x - kVeilCenter.x) < kVeilX && std::abs(p.y - kVeilCenter.y) < kVeilY;
+}
+
+}  // namespace
+
+Rgb OracleMedia::survival(const Vec3f& a, const Vec3f& b) const {
+    if (!present) return Rgb(1.0f);
+    const double dense = lengthInside(kDenseBall, a, b),
+                 fog = lengthInside(kFogBall, a, b) - dense - lengthInside(kGlassBall, a, b);
+    Rgb result;
+    for (int c = 0; c < 3; ++c)
+        result[c] = static_cast<float>(std::exp(-(double(kFog[c]) * fog + double(kDense[c]) * dense)));
+    return crossesVeil(a, b) ? result * (1 - kVeilOpacity) : result;
+}
+
+bool OracleMedia::isGrazing(const Vec3f& a, const Vec3f& b) const {
+    if (!present) return false;
+    constexpr float kLeastCosine = 0.5f;
+    const Vec3f w = normalize(b - a);
+    for (const Ball& ball : {kFogBall, kDenseBall, kGlassBall}) {
+        const Vec3f o = a - ball.center;
+        const float nearest = (o - w * dot(o, w)).length() / ball.radius;
+        if (nearest > std::sqrt(1 - kLeastCosine * kLeastCosine) && nearest < 1.05f) return true;
+    }
+    return false;
+}
+
+Rgb OracleMedia::extinction(const Vec3f& p) const {
+    return (p - kDenseBall.center).length() < kDenseBall.radius ? kDense : kFog;
+}
+
 OracleScene makeOracleScene(Lighting lighting, Lens lens, Materials materials) {
     OracleScene result;
     result.veil = veil();
     SceneBuilder b;
     addSurfaces(b, materials, result.veil);
     addLight(b, lighting);
+    result.media.present = materials == Materials::Media;
     const Vec3f origin{0, 1.5f, 5}, target{0, 1, 0};
     FilmWindow window;
     window.fullWidth = window.width = kImageWidth;

@@ -32,13 +32,15 @@ enum class Materials {
     Plain,    ///< each either delta or not
     Mixed,    ///< smooth coats, blends and masks: delta and other lobes at one point
     Shading,  ///< shading normals other than the geometric ones
-    Layered   ///< coatings, mixtures, rough diffuse, a diffuse transmitter
+    Layered,  ///< coatings, mixtures, rough diffuse, a diffuse transmitter
+    Media     ///< in colored fog, with a ball of denser one, a veil, and glass that absorbs
 };
 
 /// The camera, described once more: its densities are computed here from its parameters.
 struct OracleLens {
     Lens kind = Lens::Pinhole;
     Vec3f origin{0.0f}, x{0.0f}, y{0.0f}, axis{0.0f};
+    double near = 0.01;    ///< rays begin at this distance along the axis
     double radius = 0;     ///< of the lens
     double imageArea = 1;  ///< of the image on the plane at distance 1; orthographic: in the world;
                            ///< others: of longitude and latitude, of
@@ -60,9 +62,22 @@ struct OracleLens {
     double pdfPosition() const { return 1 / imageArea; }
 };
 
+/// What is on the way between two points of the scene with Materials::Media, computed from the spheres that
+/// bound its media and the rectangle of its veil.
+struct OracleMedia {
+    static constexpr float kVeilOpacity = 0.6f;
+    bool present = false;
+    /// Of a walk, for each channel.
+    Rgb survival(const Vec3f& a, const Vec3f& b) const;
+    Rgb extinction(const Vec3f& p) const;
+    /// Whether the segment runs nearly along a boundary: rounding changes how much of it is inside.
+    bool isGrazing(const Vec3f& a, const Vec3f& b) const;
+};
+
 struct OracleScene {
     std::shared_ptr<Scene> scene;
     OracleLens lens;
+    OracleMedia media;
     BsdfPtr veil;  ///< the one that lets light pass straight on; others refract
 };
 

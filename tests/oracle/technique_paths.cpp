@@ -59,8 +59,13 @@ void TechniquePaths::setLight(FullPath& path, const Light* light, const Vertex& 
     path.lightPosition = first.si.p + first.toPrevious * first.distanceToPrevious;
     if (light->isInfinite() || light->isDelta()) return;
     // A point on a sphere's silhouette may be missed by the rounded ray: such a path is left out.
-    const Ray ray{offsetRayOrigin(first.si.p, first.si.ng, first.toPrevious), first.toPrevious, kInfinity};
-    path.found = scene_.intersect(ray, path.lightPoint) && path.lightPoint.shape->emitter.get() == light;
+    Ray ray{offsetRayOrigin(first.si.p, first.si.ng, first.toPrevious), first.toPrevious, kInfinity};
+    path.found = scene_.intersect(ray, path.lightPoint);
+    while (oracle_.media.present && path.found && path.lightPoint.shape->bsdf->hasNullLobe()) {
+        ray.origin = offsetRayOrigin(path.lightPoint.p, path.lightPoint.ng, ray.direction);
+        path.found = scene_.intersect(ray, path.lightPoint);
+    }
+    path.found = path.found && path.lightPoint.shape->emitter.get() == light;
     path.lightPosition = path.lightPoint.p;
 }
 
@@ -128,7 +133,11 @@ void TechniquePaths::nextEvents() {
         first.distanceToPrevious = c->distance;
         setLight(path, choice.light, first);
         appendEye(path, j + 1, true);
-        check_({"nee", 1}, path, ratio(weighted, all));
+        const Ray toInfinity = scene_.rayToInfinity(e[j].si.p, e[j].si.ng, c->wi);
+        const Passage passage = choice.light->isInfinite()
+                                    ? passAlong(scene_, toInfinity, mediumBeyond(e[j], c->wi))
+                                    : passageFrom(e[j], c->point, c->ng);
+        check_({"nee", 1}, path, ratio(weighted, all * passage.transmittance));
     }
 }
 
@@ -174,15 +183,20 @@ void TechniquePaths::merges() {
         const size_t b = static_cast<size_t>(rng_.next1D() * (static_cast<float>(kVertices) - 0.001f));
         const std::optional<Vertex> joined = joinedVertex(a, b);
         if (!joined) continue;
-        const Rgb weighted = mergeVertices(n_, l[a], *joined, 1).value;
+        const auto merge = l[a].inMedium ? mergeInMedium : mergeVertices;
+        const Rgb weighted = merge(n_, l[a], *joined, 1).value;
         if (isBlack(weighted)) continue;
         FullPath path;
         appendLight(path, a + 1);
         appendEye(path, b, true);
         check_({"merge", static_cast<int>(a) + 1}, path,
-               ratio(weighted,
-                     mergeVertices(kMergesAlone, withoutHistory(l[a]), withoutHistory(*joined), 1).value));
+               ratio(weighted, merge(kMergesAlone, withoutHistory(l[a]), withoutHistory(*joined), 1).value));
     }
+}
+
+Passage TechniquePaths::passageFrom(const Vertex& v, const Vec3f& p, const Vec3f& ng) const {
+    const Ray ray = scene_.rayBetween(v.si.p, v.si.ng, p, ng);
+    return passAlong(scene_, ray, mediumBeyond(v, ray.direction));
 }
 
 std::optional<Vertex> TechniquePaths::joinedVertex(size_t a, size_t b) {
@@ -192,9 +206,13 @@ std::optional<Vertex> TechniquePaths::joinedVertex(size_t a, size_t b) {
     Vertex joined = at;
     joined.throughput = Rgb(1.0f);
     double distanceSquared = 1, cosine = 0;
+    Passage passage;
+    Rgb atStart(1.0f);
     if (b == 0) {
         const auto c = scene_.camera().connect(at.si.p, uLens_);
-        if (!c || !scene_.visible(at.si.p, at.si.ng, c->point, c->ng)) return std::nullopt;
+        if (!c) return std::nullopt;
+        passage = passageFrom(at, c->point, c->ng);
+        if (passage.blocked()) return std::nullopt;
         joined.toPrevious = c->wi;
         joined.distanceToPrevious = c->distance;
         const bool infinite = scene_.camera().isInfinite();
@@ -204,19 +222,23 @@ std::optional<Vertex> TechniquePaths::joinedVertex(size_t a, size_t b) {
             MisState::startEye(n_, infinite ? c->pdfPosition : c->pdfDirection, n_.regionOf(joinedRaster_));
     } else {
         const Vertex& from = e[b - 1];
-        if (!scene_.visible(at.si.p, at.si.ng, from.si.p, from.si.ng)) return std::nullopt;
+        passage = passageFrom(at, from.si.p, from.si.ng);
+        if (passage.blocked()) return std::nullopt;
         joined.toPrevious = normalize(from.si.p - at.si.p);
         joined.distanceToPrevious = (from.si.p - at.si.p).length();
         distanceSquared = sqr(double(joined.distanceToPrevious));
         const VertexScattering s = scatterEye(from, -joined.toPrevious);
         if (!(s.pdfForward > 0)) return std::nullopt;
         joined.mis = from.mis;
-        joined.mis.scatter(n_, absDot(joined.toPrevious, from.si.ng), s.pdfForward, s.pdfReverse);
+        joined.mis.scatter(n_, from.cosine(joined.toPrevious), s.pdfForward, s.pdfReverse);
         joined.mis.mergeShare = static_cast<float>(n_.mergeShare(joined.si.p));
+        atStart = from.stopDensity(joined.toPrevious);
     }
-    cosine = absDot(joined.toPrevious, joined.si.ng);
+    if (joined.inMedium) joined.mis.mergeShare = static_cast<float>(n_.mergeInMedia);
+    cosine = joined.cosine(joined.toPrevious);
     if (!(cosine > 1e-4) || !(distanceSquared > 1e-4)) return std::nullopt;
     joined.mis.arrive(distanceSquared, cosine);
+    joined.mis.pass(passage.arrival(joined.stopDensity(joined.toPrevious)), passage.arrival(atStart));
     return joined;
 }
 

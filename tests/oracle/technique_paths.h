@@ -65,6 +65,7 @@ class TechniquePaths {
     /// Vertex a of the light subpath, seen as the end of the eye subpath's edge from its vertex b - 1 (from
     /// the camera if b = 0). The two vertices of a merge are moved onto each other, so that the path is one.
     std::optional<Vertex> joinedVertex(size_t a, size_t b);
+    Passage passageFrom(const Vertex& v, const Vec3f& p, const Vec3f& ng) const;
 
     /// Sets the light end of a path whose x1 has been reached from `light` as `first` has.
     void setLight(FullPath& path, const Light* light, const Vertex& first) const;

@@ -51,7 +51,9 @@ class SceneBuilder {
         parts_.camera = makePerspectiveCamera(p, window);
     }
     void camera(CameraPtr camera) { parts_.camera = std::move(camera); }
+    void cameraInMedium(MediumIndex medium) { parts_.camera->medium = medium; }
     PathLimits& limits() { return parts_.limits; }
+    std::vector<MediumPtr>& media() { return parts_.media; }
     std::shared_ptr<Scene> build() { return std::make_shared<Scene>(std::move(parts_)); }
 
   private:

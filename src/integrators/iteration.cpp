@@ -2,6 +2,7 @@
 
 #include "base/parallel.h"
 #include "sampling/streams.h"
+#include "transport/medium_kernel.h"
 #include "transport/subpath.h"
 #include "wavefront/light_subpath_order.h"
 #include "wavefront/light_subpath_wavefront.h"
@@ -87,7 +88,7 @@ class FirstInMedium final : public SubpathVisitor {
 }  // namespace
 
 double projectedMediumRadius(const Scene& scene, const PathLimits& limits) {
-    constexpr double kNearInMedia = 10;
+    constexpr double kNearInMedia = 10, kOfFlight = 0.25;
     constexpr int kProbes = 4096;
     if (!scene.hasMedia()) return 0;
     const FilmWindow& w = scene.camera().window();
@@ -101,7 +102,9 @@ double projectedMediumRadius(const Scene& scene, const PathLimits& limits) {
                         Vec2f(w.x + u.x * w.width, w.y + u.y * w.height), 1, 0, visitor);
         if (!visitor.found) continue;
         const double footprint = scene.camera().pixelFootprint(static_cast<float>(visitor.traveled));
-        sum += std::cbrt(kNearInMedia * 0.75 / std::numbers::pi * footprint * footprint * visitor.flight);
+        sum += std::min(
+            std::cbrt(kNearInMedia * 0.75 / std::numbers::pi * footprint * footprint * visitor.flight),
+            kOfFlight * visitor.flight);
         ++count;
     }
     return count > 0 ? sum / count : 0;
@@ -196,7 +199,13 @@ void IteratedIntegrator::sortEyes() {
     for (size_t i = 0; i < eyes_.vertices.size(); ++i)
         (eyes_.vertices[i].inMedium ? inMedia : onSurfaces).push_back(static_cast<uint32_t>(i));
     grid_.build(positions, onSurfaces, r);
-    if (firstMediumRadius_ > 0) mediumGrid_.build(positions, inMedia, static_cast<float>(mediumRadius()));
+    if (!(firstMediumRadius_ > 0)) return;
+    const auto rMedium = static_cast<float>(mediumRadius());
+    mediumGrid_.build(positions, inMedia, rMedium);
+    shareInside_.assign(eyes_.vertices.size(), 1);
+    parallelFor(inMedia.size(), [&](size_t i) {
+        shareInside_[inMedia[i]] = shareInside(scene_, eyes_.vertices[inMedia[i]], rMedium);
+    });
 }
 
 void IteratedIntegrator::weighByVariance(const VarianceParameters& variance) {

@@ -124,6 +124,7 @@ class IteratedIntegrator : public Integrator {
     LightSubpathPass lightSubpathPass(const Strategies& strategies) {
         LightSubpathPass pass{scene_, options_.limits, strategies, eyes_, grid_, nonFinite_};
         pass.mediumGrid = &mediumGrid_;
+        pass.shareInside = shareInside_;
         return pass;
     }
     /// What statistics() says of all of them.
@@ -137,8 +138,9 @@ class IteratedIntegrator : public Integrator {
     std::unique_ptr<EyeFactors> eyeFactors_;  ///< of Strategies; null: plain balance heuristic
     EyeWavefronts eyeWavefronts_;
     EyeVertices eyes_;
-    VertexGrid grid_;        ///< of eyes_ on surfaces
-    VertexGrid mediumGrid_;  ///< in media
+    VertexGrid grid_;                 ///< of eyes_ on surfaces
+    VertexGrid mediumGrid_;           ///< in media
+    std::vector<float> shareInside_;  ///< of eyes_; of those in media what shareInside() says
 
   private:
     double mediumRadius() const;

@@ -31,7 +31,7 @@ class LightSubpathVisitor final : public SubpathVisitor {
         const double kernel = LightSubpathPass::kernelOf(grid, v.inMedium);
         grid.query(v.si.p, [&](uint32_t index) {
             const Vertex& eye = pass_.eyes.vertices[index];
-            if (pass_.limits.admits(v.depth + eye.depth)) pass_.merge(v, eye, kernel, *job_.splats);
+            if (pass_.limits.admits(v.depth + eye.depth)) pass_.merge(v, index, kernel, *job_.splats);
         });
     }
     void splat(const Vertex& v) {
@@ -65,9 +65,11 @@ LightSubpathPass::Partner LightSubpathPass::choosePartner(SampleStream& stream) 
             static_cast<float>(double(n) / share)};
 }
 
-void LightSubpathPass::merge(const Vertex& light, const Vertex& eye, double kernel, SplatList& splats) const {
-    const LightFinding found = light.inMedium ? mergeInMedium(strategies, light, eye, kernel)
-                                              : mergeVertices(strategies, light, eye, kernel);
+void LightSubpathPass::merge(const Vertex& light, uint32_t index, double kernel, SplatList& splats) const {
+    const Vertex& eye = eyes.vertices[index];
+    const LightFinding found =
+        light.inMedium ? mergeInMedium(strategies, light, eye, kernel / double(shareInside[index]))
+                       : mergeVertices(strategies, light, eye, kernel);
     if (isBlack(found.value)) return;
     const bool wall = light.inMedium ? !scene.visible(light.si.p, Vec3f(0.0f), eye.si.p, Vec3f(0.0f))
                                      : isWallBetween(scene, light, eye, grid.radius());

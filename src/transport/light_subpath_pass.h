@@ -34,10 +34,11 @@ struct LightSubpathPass {
     const PathLimits& limits;
     const Strategies& strategies;
     const EyeVertices& eyes;
-    const VertexGrid& grid;                  ///< over those on surfaces; empty: nothing to merge with
-    NonFiniteCounts& nonFinite;              ///< counts what is left out
-    TechniqueWork* work = nullptr;           ///< counts, if given; in wavefronts only
-    const VertexGrid* mediumGrid = nullptr;  ///< over the eye vertices in media, if any
+    const VertexGrid& grid;                   ///< over those on surfaces; empty: nothing to merge with
+    NonFiniteCounts& nonFinite;               ///< counts what is left out
+    TechniqueWork* work = nullptr;            ///< counts, if given; in wavefronts only
+    const VertexGrid* mediumGrid = nullptr;   ///< over the eye vertices in media, if any
+    std::span<const float> shareInside = {};  ///< of each eye vertex, where there is mediumGrid
     const EyeTail* tail = nullptr;  ///< for SplatList::surprise, if given; needs Strategies::eyeFactors
 
     /// Scales: a pixel splat is the estimate of its pixel from one light subpath; divide by the number of
@@ -73,8 +74,8 @@ struct LightSubpathPass {
     bool extensible(const Vertex& v, int edges = 1) const {
         return limits.maxDepth < 0 || v.depth + edges <= limits.maxDepth;
     }
-    /// Merges two vertices unless a wall stands between them; `kernel`: kernelOf() their grid.
-    void merge(const Vertex& light, const Vertex& eye, double kernel, SplatList& splats) const;
+    /// Merges with an eye vertex unless a wall stands between the two; `kernel`: kernelOf() their grid.
+    void merge(const Vertex& light, uint32_t eye, double kernel, SplatList& splats) const;
     /// Adds a finite contribution to a pixel.
     void addPixel(uint32_t pixel, const LightFinding& found, Technique technique, SplatList& splats) const {
         if (nonFinite.reject(found.value, technique) || isBlack(found.value)) return;

@@ -231,7 +231,7 @@ void LightSubpathWavefront::merge(int depth) {
             const Vertex& eye = eyes[near_[k]];
             if (!pass_->limits.admits(depth + eye.depth)) continue;
             ++merged;
-            pass_->merge(subpath.v, eye, kernel, *subpath.job.splats);
+            pass_->merge(subpath.v, near_[k], kernel, *subpath.job.splats);
         }
     }
     if (pass_->work) pass_->work->merges += merged;

@@ -13,9 +13,9 @@ namespace metrolux::core {
 /// sees (through mirrors and glass, at the first smooth surface). Falls back to a fraction of the scene if it
 /// sees none.
 double projectedPixelRadius(const Scene& scene, const PathLimits& limits);
-/// First radius for merging in media: as many eye vertices as kNearInMedia lie within it on average, if they
-/// are as far apart along the rays of the camera as their free flights are long. 0 where the camera sees no
-/// medium that scatters.
+/// First radius for merging in media: ten eye vertices lie within it on average, if they are as far apart
+/// along the rays of the camera as their free flights are long; a quarter of such a flight at most. 0 where
+/// the camera sees no medium that scatters.
 double projectedMediumRadius(const Scene& scene, const PathLimits& limits);
 /// Throws Error for a merging radius that is larger than the scene, which would blur all of it into one, or
 /// so small that single precision does not tell points apart at that distance.

@@ -1,13 +1,20 @@
 #pragma once
-/// A diffuse floor, a ball of glass and an area light, for tests of the passes.
+/// A diffuse floor, a ball of glass and an area light, for tests of the passes; in fog, whose boundary light
+/// passes, if that is wanted.
 
 #include "image/film.h"
+#include "scattering/null_bsdf.h"
 #include "support/small_scenes.h"
 
 namespace metrolux::core::test {
 
-inline std::shared_ptr<Scene> glassScene() {
+inline std::shared_ptr<Scene> glassScene(bool fog = false) {
     SceneBuilder b;
+    if (fog) {
+        b.media() = {
+            makeHomogeneousMedium(Rgb(0.2f, 0.1f, 0.3f), Rgb(0.9f), makeHenyeyGreensteinPhase(0.5f))};
+        b.add(makeSphere(Transform(), {0, 1, 0}, 7, false), makeNullBsdf())->media = MediumSides{1, 0};
+    }
     b.add(rectangle({0, 0, 0}, {0, 1, 0}, 4, 4), diffuse(0.7f));
     b.add(makeSphere(Transform(), {0, 1, 0}, 0.7f, false), makeDielectric({}));
     b.emit(b.add(rectangle({0.5f, 3, 0}, {0, -1, 0}, 0.7f, 0.5f), diffuse(0.3f)), Rgb(5));

@@ -64,8 +64,12 @@ void expectSameBits(const EyeResult& a, const EyeResult& b) {
     }
 }
 
-TEST(EyeWavefronts, GiveTheBitsOfTheDefinitionOnOneAndTwoThreads) {
-    const std::shared_ptr<Scene> scene = test::glassScene();
+/// In the scene without and with fog.
+class EyeWavefrontsIn : public ::testing::TestWithParam<bool> {};
+class LightSubpathWavefrontIn : public ::testing::TestWithParam<bool> {};
+
+TEST_P(EyeWavefrontsIn, GiveTheBitsOfTheDefinitionOnOneAndTwoThreads) {
+    const std::shared_ptr<Scene> scene = test::glassScene(GetParam());
     for (const Strategies& strategies : {Strategies::bidirectional(1, 0.1), Strategies::photonMapping()}) {
         const EyeResult alone = eyeResult(
             *scene, strategies, [](const EyePass& pass, auto&& pixels, Film& film, EyeVertices& eyes) {
@@ -76,8 +80,8 @@ TEST(EyeWavefronts, GiveTheBitsOfTheDefinitionOnOneAndTwoThreads) {
     }
 }
 
-TEST(LightSubpathWavefront, GivesTheBitsOfTheDefinition) {
-    const std::shared_ptr<Scene> scene = test::glassScene();
+TEST_P(LightSubpathWavefrontIn, GivesTheBitsOfTheDefinition) {
+    const std::shared_ptr<Scene> scene = test::glassScene(GetParam());
     const PathLimits limits = scene->parts().limits;
     Film film = test::gaussianFilm(*scene);
     EyeVertices eyes;
@@ -92,7 +96,17 @@ TEST(LightSubpathWavefront, GivesTheBitsOfTheDefinition) {
     photons.endIteration(1000);
     Strategies strategies = Strategies::bidirectional(1, 0.1, &photons);
     strategies.connect = 0.5;
-    const LightSubpathPass pass{*scene, limits, strategies, eyes, grid, nonFinite};
+    strategies.mergeInMedia = GetParam() ? 0.6 : 0;
+    LightSubpathPass pass{*scene, limits, strategies, eyes, grid, nonFinite};
+    VertexGrid mediumGrid;
+    std::vector<uint32_t> inMedia;
+    for (uint32_t i = 0; i < eyes.all().size(); ++i)
+        if (eyes.vertices[i].inMedium) inMedia.push_back(i);
+    mediumGrid.build(positionsOf(eyes.all()), inMedia, 0.4f);
+    const std::vector<float> shares(eyes.all().size(), 0.9f);
+    pass.mediumGrid = &mediumGrid;
+    pass.shareInside = shares;
+    ASSERT_EQ(inMedia.size() > 100, GetParam());
 
     constexpr size_t kCount = 400;
     std::vector<IndependentStream> streams;
@@ -134,6 +148,9 @@ TEST(LightSubpathWavefront, GivesTheBitsOfTheDefinition) {
     expectedCounts.endIteration(kCount);
     for (const Vertex& v : eyes.all()) ASSERT_EQ(counted.at(v.si.p), expectedCounts.at(v.si.p));
 }
+
+INSTANTIATE_TEST_SUITE_P(Fog, EyeWavefrontsIn, ::testing::Bool());
+INSTANTIATE_TEST_SUITE_P(Fog, LightSubpathWavefrontIn, ::testing::Bool());
 
 TEST(StagedGridQuery, FindsWhatAQueryFindsInItsOrder) {
     CounterRng rng(3);

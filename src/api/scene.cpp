@@ -44,7 +44,6 @@ core::LoadOptions core::api::coreOptions(const metrolux::LoadOptions& options) {
 
 void core::api::settle(SceneParts& parts, const LoadOptions& options) {
     settleSceneIntegrator(parts, options.lenient);
-    if (!parts.media.empty()) throw Error("{}: participating media are not supported", parts.source);
     if (options.strict) refuseWarnings(parts);
 }
 

@@ -52,7 +52,7 @@ TEST_P(Conformance, Path) {
 
 constexpr int kSeeds = 16;
 constexpr double kFamilyRate = 0.01;
-constexpr int kFamilyImages = 19 * 3;
+constexpr int kFamilyImages = 26 * 3;
 /// The references' colors went to XYZ and back with rounded matrices: white is (1.00097, 0.99967, 1.00043).
 constexpr double kRelativeTolerance = 1e-3;
 
@@ -137,7 +137,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Conformance, testing::ValuesIn(conformanceScene
 
 TEST(ConformanceData, HasTheScenes) {
     METROLUX_NEEDS_SHARED(sharedPath("conformance"));
-    EXPECT_GE(conformanceScenes().size(), 19u);
+    METROLUX_NEEDS_SHARED(sharedPath("conformance-media"));
+    EXPECT_GE(conformanceScenes().size(), 26u);
 }
 
 }  // namespace

@@ -17,7 +17,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kScenes = sharedPath("conformance/tests/scenes");
+const fs::path kFolders[] = {sharedPath("conformance/tests/scenes"),
+                             sharedPath("conformance-media/tests/scenes")};
 const fs::path kOutput = fs::path(METROLUX_BINARY_DIR) / "conformance";
 
 // ITU-R BT.709 primaries and D65, as sRGB's definition rounds them.
@@ -57,8 +58,11 @@ std::string fileName(std::string scene, const std::string& suffix) {
 
 std::vector<ConformanceScene> conformanceScenes() {
     std::vector<ConformanceScene> scenes;
-    if (!fs::is_directory(kScenes)) return scenes;
-    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(kScenes)) {
+    std::vector<fs::directory_entry> entries;
+    for (const fs::path& folder : kFolders)
+        if (fs::is_directory(folder))
+            entries.insert(entries.end(), fs::recursive_directory_iterator(folder), {});
+    for (const fs::directory_entry& entry : entries) {
         if (entry.path().extension() != ".xml") continue;
         // <name>_<integrator>.xml
         const std::string stem = entry.path().stem().string();

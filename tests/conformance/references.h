@@ -1,5 +1,5 @@
 #pragma once
-/// The render tests of Mitsuba 3 in ../shared/conformance, and the test that Mitsuba applies to them.
+/// The render tests of Mitsuba 3 in ../shared/conformance and ../shared/conformance-media, and the test that Mitsuba applies to them.
 
 #include "image/image_io.h"
 #include "paths.h"
@@ -17,7 +17,7 @@ struct ConformanceScene {
 };
 inline void PrintTo(const ConformanceScene& scene, std::ostream* out) { *out << scene.name; }
 
-/// All scenes of ../shared/conformance that have a reference, sorted by name.
+/// All scenes there that have a reference, sorted by name.
 std::vector<ConformanceScene> conformanceScenes();
 
 /// Reference and variance of one sample, both in XYZ.

@@ -199,7 +199,7 @@ void IteratedIntegrator::sortEyes() {
     for (size_t i = 0; i < eyes_.vertices.size(); ++i)
         (eyes_.vertices[i].inMedium ? inMedia : onSurfaces).push_back(static_cast<uint32_t>(i));
     grid_.build(positions, onSurfaces, r);
-    if (!(firstMediumRadius_ > 0)) return;
+    if (!(firstMediumRadius_ > 0) || inMedia.empty()) return mediumGrid_.clear();
     const auto rMedium = static_cast<float>(mediumRadius());
     mediumGrid_.build(positions, inMedia, rMedium);
     shareInside_.assign(eyes_.vertices.size(), 1);

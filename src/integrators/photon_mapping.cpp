@@ -9,7 +9,7 @@ namespace metrolux::core {
 namespace {
 
 struct SppmParameters {
-    MergingParameters merging;
+    MergingParameters merging{.findsByMergingOnly = true};
     template <class V>
     void visit(V&& v) {
         v(merging);
@@ -17,7 +17,7 @@ struct SppmParameters {
 };
 
 struct VptParameters {
-    MergingParameters merging;
+    MergingParameters merging{.findsByMergingOnly = true};
     ReplicaParameters replicas{.possible = "uv", .chains = {MutationKernel::Kind::Adaptive}};
     template <class V>
     void visit(V&& v) {

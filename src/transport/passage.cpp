@@ -109,7 +109,10 @@ WalkPassage walkAlong(const Scene& scene, const Ray& ray, const Rgb& stop, float
     const Passage passage = met.passage();
     result.forward = passage.arrival(stopHere);
     result.reverse = passage.arrival(stop);
-    if (result.forward > 0) result.weight = passage.transmittance * static_cast<float>(1 / result.forward);
+    if (result.forward > 0)
+        result.weight = passage.transmittance * static_cast<float>(1 / result.forward);
+    else
+        result.forward = result.reverse = 1;  // rounded into emptiness: nothing comes of it
     return result;
 }
 

@@ -71,6 +71,13 @@ Exception exceptionFor(const std::string& scene) {
         // Mitsuba's tabulated Gaussian lets 7 % more into the filter's tail beside that edge, for `path` too.
         e.toleranceFactor = 5;
     }
+    if (scene == "participating_media/test_homo_area_light" ||
+        scene == "participating_media/test_surf_area_light") {
+        // A lamp stands on the floor, which is brightest where the lamp cuts into the merging disk. By 600
+        // passes of vcm the block beside it is 2 % too dark at this radius's twelvefold, and within 0.1 % at
+        // it.
+        e.radiusFactor = 0.02;
+    }
     return e;
 }
 

@@ -177,8 +177,7 @@ IteratedIntegrator::IteratedIntegrator(const Scene& scene, const CommonOptions& 
       options_(options),
       partition_(scene.camera().window(), options),
       radius_(merging.radius, merging.alpha),
-      firstRadius_(merging.radius),
-      firstMediumRadius_(merging.mediumRadius) {}
+      firstRadius_(merging.radius) {}
 
 /// Its cube shrinks as the square of the other.
 double IteratedIntegrator::mediumRadius() const {

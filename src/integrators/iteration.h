@@ -94,6 +94,7 @@ class IteratedIntegrator : public Integrator {
   protected:
     /// `merging`: of radius 0 without merging.
     IteratedIntegrator(const Scene& scene, const CommonOptions& options, const MergingParameters& merging);
+    void mergeInMedia(const MediumMergingParameters& merging) { firstMediumRadius_ = merging.radius; }
     /// Set up photons_ and eyeFactors_ if the parameters ask for them.
     void weighByPhotons(const WeighingParameters& weighing);
     void weighByVariance(const VarianceParameters& variance);
@@ -144,7 +145,7 @@ class IteratedIntegrator : public Integrator {
 
   private:
     double mediumRadius() const;
-    double firstRadius_, firstMediumRadius_;
+    double firstRadius_, firstMediumRadius_ = 0;  ///< 0: no merging
 };
 
 }  // namespace metrolux::core

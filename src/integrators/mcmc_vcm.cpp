@@ -16,6 +16,7 @@ struct McmcVcmParameters {
         Relative    ///< the same over what the image shows there (PixelImportance)
     };
     MergingParameters merging;
+    MediumMergingParameters inMedia;
     WeighingParameters weighing;
     VarianceParameters variance;
     double connections = 0;  ///< as ConnectionParameters; 0: kChainConnections or kIndependentConnections
@@ -27,6 +28,7 @@ struct McmcVcmParameters {
     template <class V>
     void visit(V&& v) {
         v(merging);
+        v(inMedia);
         v(weighing);
         v(variance);
         v("connections", connections,
@@ -85,6 +87,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
           choosing_(!parameters.fixed && parameters.replicas.replicas == parameters.replicas.possible),
           choice_(choosing_ && parameters.variance.varianceAware && eyeSubpathsFindAll(scene)) {
         chains_.measureDensity = !parameters.fixed;
+        mergeInMedia(parameters.inMedia);
         weighByPhotons(parameters.weighing);
         weighByVariance(parameters.variance);
         if (choosing_ || relative() || parameters.replicas.split.measured)

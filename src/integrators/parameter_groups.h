@@ -22,17 +22,12 @@ double projectedMediumRadius(const Scene& scene, const PathLimits& limits);
 void checkRadius(double radius, const Scene& scene);
 
 struct MergingParameters {
-    double radius = 0;        ///< scene units; 0: projectedPixelRadius()
-    double mediumRadius = 0;  ///< scene units; 0: no merging in media, or projectedMediumRadius()
+    double radius = 0;  ///< scene units; 0: projectedPixelRadius()
     double alpha = 0.75;
-    bool findsByMergingOnly = false;  ///< the integrator has no other technique for scattering in media
     template <class V>
     void visit(V&& v) {
         v({"radius", "initial_radius"}, radius, Range::from(0).zeroIs("from the pixel size"),
           "first merging radius in scene units");
-        v({"medium_radius"}, mediumRadius,
-          Range::from(0).zeroIs(findsByMergingOnly ? "from the pixel size and the medium" : "off"),
-          "first radius for merging in media, in scene units");
         v({"radius_alpha", "alpha"}, alpha, Range::between(0, 1),
           "how slowly the radius shrinks: r^2 is as passes^(alpha - 1)");
     }
@@ -41,10 +36,23 @@ struct MergingParameters {
             radius = projectedPixelRadius(scene, limits);
         else
             checkRadius(radius, scene);
-        if (mediumRadius > 0)
-            checkRadius(mediumRadius, scene);
-        else if (findsByMergingOnly)
-            mediumRadius = projectedMediumRadius(scene, limits);
+    }
+};
+
+struct MediumMergingParameters {
+    double radius = 0;    ///< scene units; 0: no merging in media, or projectedMediumRadius()
+    bool always = false;  ///< the integrator has no other way to scatter in media
+    template <class V>
+    void visit(V&& v) {
+        v({"medium_radius"}, radius,
+          Range::from(0).zeroIs(always ? "from the pixel size and the medium" : "off"),
+          "first radius for merging in media, in scene units");
+    }
+    void resolve(const Scene& scene, const PathLimits& limits) {
+        if (radius > 0)
+            checkRadius(radius, scene);
+        else if (always)
+            radius = projectedMediumRadius(scene, limits);
     }
 };
 

@@ -9,19 +9,23 @@ namespace metrolux::core {
 namespace {
 
 struct SppmParameters {
-    MergingParameters merging{.findsByMergingOnly = true};
+    MergingParameters merging;
+    MediumMergingParameters inMedia{.always = true};
     template <class V>
     void visit(V&& v) {
         v(merging);
+        v(inMedia);
     }
 };
 
 struct VptParameters {
-    MergingParameters merging{.findsByMergingOnly = true};
+    MergingParameters merging;
+    MediumMergingParameters inMedia{.always = true};
     ReplicaParameters replicas{.possible = "uv", .chains = {MutationKernel::Kind::Adaptive}};
     template <class V>
     void visit(V&& v) {
         v(merging);
+        v(inMedia);
         v(replicas);
     }
 };
@@ -38,9 +42,12 @@ class PhotonMappingIntegrator final : public Resumable<PhotonMappingIntegrator, 
   public:
     PhotonMappingIntegrator(const Scene& scene, const CommonOptions& options,
                             const SppmParameters& parameters)
-        : Resumable(scene, options, parameters.merging) {}
+        : Resumable(scene, options, parameters.merging) {
+        mergeInMedia(parameters.inMedia);
+    }
     PhotonMappingIntegrator(const Scene& scene, const CommonOptions& options, const VptParameters& parameters)
         : Resumable(scene, options, parameters.merging) {
+        mergeInMedia(parameters.inMedia);
         chains_.emplace(replicaSettings(options.seed, parameters.replicas, partition_.pixels(0).size()));
     }
 

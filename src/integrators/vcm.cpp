@@ -10,12 +10,14 @@ namespace {
 
 struct VcmParameters {
     MergingParameters merging;
+    MediumMergingParameters inMedia;
     WeighingParameters weighing;
     VarianceParameters variance;
     ConnectionParameters connections;
     template <class V>
     void visit(V&& v) {
         v(merging);
+        v(inMedia);
         v(weighing);
         v(variance);
         v(connections);
@@ -30,6 +32,7 @@ class VcmIntegrator final : public Resumable<VcmIntegrator, IteratedIntegrator> 
         : Resumable(scene, options, parameters.merging),
           connections_(parameters.connections.connections),
           merge_(true) {
+        mergeInMedia(parameters.inMedia);
         weighByPhotons(parameters.weighing);
         weighByVariance(parameters.variance);
     }

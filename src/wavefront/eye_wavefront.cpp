@@ -86,7 +86,7 @@ void EyeWavefront::arrive(std::span<const uint32_t> pixels, int depth) {
         active_[arrived++] = active_[k];
     }
     active_.resize(arrived);
-    if (depth > 1)
+    if (depth > 1 || walk.scene.hasMedia())  // on surfaces the first vertex has what it began with
         for (const uint32_t i : active_) weighMerging(walk, subpaths_[i].certain, subpaths_[i].v);
 }
 

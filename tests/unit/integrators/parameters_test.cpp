@@ -1,6 +1,7 @@
 /// What integrators say of their parameters, and that it is so.
 
 #include "integrators/scene_choice.h"
+#include "scattering/null_bsdf.h"
 #include "support/parameter_values.h"
 #include "support/small_scenes.h"
 
@@ -71,8 +72,12 @@ TEST(Integrators, ParametersHaveNamesHelpAndOtherValues) {
 }
 
 /// A room where everything that parameters steer takes part: hidden light, glass, a lit floor.
-std::shared_ptr<Scene> room() {
+std::shared_ptr<Scene> room(bool fog = false) {
     test::SceneBuilder b;
+    if (fog) {
+        b.media() = {makeHomogeneousMedium(Rgb(0.2f), Rgb(0.9f), makeIsotropicPhase())};
+        b.add(makeSphere(Transform(), {0, 1, 0}, 9, false), makeNullBsdf())->media = MediumSides{1, 0};
+    }
     b.add(test::rectangle({0, 0, 0}, {0, 1, 0}, 4, 4), test::diffuse(0.7f));
     b.add(makeSphere(Transform(), {0, 1, 0}, 0.7f, false), makeDielectric({}));
     b.emit(b.add(test::rectangle({0.5f, 3, 0}, {0, -1, 0}, 0.7f, 0.5f), test::diffuse(0.3f)), Rgb(5));
@@ -84,8 +89,9 @@ class EachDescription : public testing::TestWithParam<std::string> {};
 
 /// Each parameter that an integrator has changes what it renders; none but those can be given.
 TEST_P(EachDescription, ParametersChangeTheImage) {
-    const std::shared_ptr<Scene> scene = room();
+    const std::shared_ptr<Scene> clear = room(), foggy = room(true);
     const auto image = [&](const ParameterValues& values) {
+        const std::shared_ptr<Scene>& scene = values.contains("medium_radius") ? foggy : clear;
         Film film = makeFilm(*scene);
         CommonOptions options;
         options.seed = 5;
@@ -98,6 +104,8 @@ TEST_P(EachDescription, ParametersChangeTheImage) {
         ParameterValues values;
         // The steering of theta is that of the adaptive kernel.
         if (info.name == "theta") values["kernel"] = "adaptive";
+        // Merging in media needs one.
+        if (info.name == "medium_radius") values["medium_radius"] = 0.5;
         const std::vector<float> reference = values.empty() ? plain : image(values);
         bool changes = false;
         for (const ParameterValue& value : test::otherValues(info)) {

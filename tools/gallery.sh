@@ -17,6 +17,7 @@ for name in "${scenes[@]}"; do
     case $name in  # noisier than the others
         door-ajar) passes=$((3 * passes)) ;;
         environment) passes=$((2 * passes)) ;;
+        haze | murky-pool | wax | cloud) passes=$((4 * passes)) ;;
     esac
     # shellcheck disable=SC2086
     "${METROLUX:-build/metrolux}" render "scenes/$name/scene.xml" --resolution "${GALLERY_SIZE:-336x252}" \

@@ -103,6 +103,14 @@ const Runs kMergingOnly{{"vcm", run("vcm", 24)},
                         {"split_mcmc", run("split_mcmc", 16)},
                         {"pssmlt_merge", run("pssmlt_merge", 16)}};
 
+/// In media, where photon mapping darkens and path chains are long.
+const Runs kInMedia = together(kCore, kSplit);
+const Runs kInHaze{{"bdpt", run("bdpt", 16)},
+                   {"vcm", run("vcm", 16)},
+                   {"mcmc_vcm", run("mcmc_vcm", 32)},
+                   {"split_mcmc", run("split_mcmc", 12)}};
+const Runs kInWater{{"vcm", run("vcm", 32)}, {"mcmc_vcm", run("mcmc_vcm", 64)}};
+
 const char* const kRare = "path chains: light so rare that some thousand steps depend on a few starts";
 const char* const kAjar =
     "path chains, sppm, vpt: light so rare that 16 short renders do not tell their own error";
@@ -117,15 +125,25 @@ const char* const kMergingNeeded =
     "path, bdpt, pssmlt, mmlt: find no light or hardly any through specular, "
     "diffuse, specular vertices";
 
+const char* const kMedia =
+    "sppm, vpt: merging in media darkens (docs/explain/media.md); path chains: many bounces";
+const char* const kHaze =
+    "path: cannot find the caustic of a light of no size; sppm, vpt: merging in media darkens";
+
 const std::vector<Case> kCases{
+    {"cloud", "cloud/scene.xml", false, kInMedia, kMedia},
     {"door_ajar", "door-ajar/scene.xml", false, kSplitAlone, kAjar},
     {"environment", "environment/scene.xml", false, kEverything},
     {"glass_sphere", "glass-sphere/scene.xml", false, kMergingOnly, kMergingNeeded},
     {"glossy_room", "glossy-room/scene.xml", false, together(kWithPathChains, kChains), kGlossy},
+    {"haze", "haze/scene.xml", false, kInHaze, kHaze},
     {"mis", "mis/scene.xml", false, together(kSplitAlone, kChains), kGlossy},
+    {"murky_pool", "murky-pool/scene.xml", false, kInWater, kMergingNeeded},
     {"spot_directional", "spot-directional/scene.xml", false, kMergingOnly, kMergingNeeded},
     {"textured", "textured/scene.xml", false, together(kWithPathChains, kChains), kGlossy},
+    {"tinted_glass", "tinted-glass/scene.xml", false, kMergingOnly, kMergingNeeded},
     {"water_sds", "water-sds/scene.xml", false, kMergingOnly, kMergingNeeded},
+    {"wax", "wax/scene.xml", false, kInMedia, kMedia},
     {"lamps", "../tests/agreement/lamps.xml", false, kConnections, kDirectLight},
     {"panorama", "../tests/agreement/panorama.xml", false, kEverything},
     {"fisheye", "../tests/agreement/fisheye.xml", false, kCore, kLikePanorama},

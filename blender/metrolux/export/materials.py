@@ -66,7 +66,7 @@ class Materials:
             return Surface()
         volume = input_of(output, (), "Volume")
         if volume is not None and volume.node is not None:
-            reader.problem(f"the volume {volume.node.bl_label} is not rendered: Metrolux has no participating media yet")
+            reader.problem(f"the volume {volume.node.bl_label} is not rendered: volumes are not exported yet")
         displacement = input_of(output, (), "Displacement")
         if displacement is not None and displacement.node is not None:
             reader.problem("displacement is not supported; it is left out")

@@ -74,7 +74,7 @@ def _radiance(world, problems):
         return BLACK, np.eye(3)
     volume = input_of(output, (), "Volume")
     if volume is not None and volume.node is not None:
-        reader.problem("the volume of the world is not rendered: Metrolux has no participating media yet")
+        reader.problem("the volume of the world is not rendered: volumes are not exported yet")
     try:
         return _shader(reader, input_of(output, (), "Surface")), reader.rotation
     except CannotCombine as problem:

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/rng.h"
+#include "render/visible_surface.h"
 
 #include <algorithm>
 
@@ -31,7 +32,7 @@ PixelAovs samplePixel(const Scene& scene, int x, int y) {
                            static_cast<float>(y) + (static_cast<float>(row) + jitter.y) / kStrataPerAxis);
         const auto ray = scene.camera().sampleRay(rng.next2D(), raster);
         SurfaceInteraction si;
-        if (!ray || !scene.intersect({ray->origin, ray->direction}, si)) continue;
+        if (!ray || !meetVisibleSurface(scene, {ray->origin, ray->direction}, si)) continue;
         ++hits;
         if (si.shape->bsdf) sum.albedo += si.shape->bsdf->albedo(si);
         sum.normal += si.ns;

@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "base/rng.h"
 #include "image/filter.h"
+#include "render/visible_surface.h"
 
 #include <algorithm>
 #include <array>
@@ -25,7 +26,7 @@ Values follow(const Scene& scene, Ray ray, CounterRng& rng) {
     Rgb tint(1.0f);
     for (int i = 0; i <= kMostMirrors; ++i) {
         SurfaceInteraction si;
-        if (!scene.intersect(ray, si)) return values;
+        if (!meetVisibleSurface(scene, ray, si)) return values;
         if (i == 0) {
             const float distance = (si.p - ray.origin).length();
             values[6] = distance > 0 ? 1 / distance : 0;

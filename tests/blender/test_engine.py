@@ -177,11 +177,12 @@ class Engine(unittest.TestCase):
         t = smoke.node_tree
         volume = t.nodes.new("ShaderNodeVolumePrincipled")
         t.links.new(volume.outputs[0], t.nodes["Material Output"].inputs["Volume"])
+        volume.inputs["Emission Strength"].default_value = 1
         support.mesh("cube", smoke, size=0.2, location=(-1, 0, 2))
         support.light("AREA", (0, 0, 5), energy=1, name="Narrow", spread=0.5)
         scene.metrolux.passes = 1
         support.metrolux(1)
-        for line in ("material Noisy: the node Noise Texture", "material Hairy: the shader Hair BSDF", "material Smoke: the volume",
+        for line in ("material Noisy: the node Noise Texture", "material Hairy: the shader Hair BSDF", "material Smoke: Emission Strength",
                      "light Narrow: a spread"):
             self.assertIn(line, report())
         for name in ("Cube.001", "Cube.002", "Narrow"):

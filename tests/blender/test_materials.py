@@ -181,6 +181,57 @@ class Textures(unittest.TestCase):
         checked(self, compare("bump", 64, 64), 0.03)
 
 
+class Volumes(unittest.TestCase):
+    """What fills a ball, with and without a surface."""
+
+    def ball(self, build, surface=None):
+        def made():
+            result = support.bpy.data.materials.new("Filled")
+            nodes = support.tree(result)
+            output = nodes.nodes.new("ShaderNodeOutputMaterial")
+            nodes.links.new(build(nodes).outputs[0], output.inputs["Volume"])
+            if surface:
+                nodes.links.new(new_node(nodes, *surface).outputs[0], output.inputs["Surface"])
+            return result
+
+        stage(made)
+        cycles = support.bpy.context.scene.cycles
+        cycles.volume_bounces = cycles.max_bounces = 256
+
+    def test_absorption(self):
+        self.ball(lambda t: new_node(t, "ShaderNodeVolumeAbsorption", {"Color": (0.9, 0.5, 0.2), "Density": 1.3}))
+        checked(self, compare("volume-absorption", 128, 128))
+
+    def test_scatter(self):
+        self.ball(lambda t: new_node(t, "ShaderNodeVolumeScatter", {"Color": (0.7, 0.8, 0.9), "Density": 1.2, "Anisotropy": 0.4}))
+        checked(self, compare("volume-scatter", 512, 512), 0.02)
+
+    def test_sum_of_scatter_and_absorption(self):
+        def build(t):
+            both = t.nodes.new("ShaderNodeAddShader")
+            for i, kind in enumerate(("ShaderNodeVolumeScatter", "ShaderNodeVolumeAbsorption")):
+                part = new_node(t, kind, {"Color": (0.8, 0.6, 0.4), "Density": 0.8})
+                t.links.new(part.outputs[0], both.inputs[i])
+            return both
+
+        self.ball(build)
+        checked(self, compare("volume-sum", 512, 512), 0.02)
+
+    def test_principled(self):
+        inputs = {"Color": (0.8, 0.5, 0.4), "Density": 1.5, "Absorption Color": (0.1, 0.2, 0.4), "Anisotropy": -0.3}
+        self.ball(lambda t: new_node(t, "ShaderNodeVolumePrincipled", inputs))
+        checked(self, compare("volume-principled", 512, 512), 0.02)
+
+    def test_what_is_not_the_same_everywhere_is_named(self):
+        def build(t):
+            noise = t.nodes.new("ShaderNodeTexNoise")
+            return new_node(t, "ShaderNodeVolumeScatter", {"Density": noise.outputs["Fac"]})
+
+        self.ball(build)
+        support.metrolux(1)
+        self.assertIn("Noise Texture", support.bpy.data.texts["Metrolux report"].as_string())
+
+
 class Different(unittest.TestCase):
     """Where the models differ: by how much, within a bound that a wrong parameter would exceed."""
 

@@ -2,6 +2,7 @@
 /// from slices.
 
 #include "cli/command.h"
+#include "image/image_io.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -74,12 +75,19 @@ TEST_F(MediaTest, SlicesEqualTheWhole) {
     }
 }
 
-/// The fog is there: the image is another one than without, and so is what a camera in it sees.
-TEST_F(MediaTest, MakesADifference) {
-    ASSERT_EQ(run(common({"-i", "path", "--passes", "4", "-o", "fog.exr"})).status, 0);
+/// The fog is in the image, and not in the layers that say what is seen: its boundary is no surface.
+TEST_F(MediaTest, ShowsInTheImageAndNotAsASurface) {
+    const auto render = [&](const std::string& image) {
+        return run(common({"-i", "path", "--passes", "4", "-o", image, "--aov", "albedo,normal,depth"}))
+            .status;
+    };
+    ASSERT_EQ(render("fog.exr"), 0);
     write("scene.xml", kTinyScene);
-    ASSERT_EQ(run(common({"-i", "path", "--passes", "4", "-o", "clear.exr"})).status, 0);
+    ASSERT_EQ(render("clear.exr"), 0);
     EXPECT_NE(pixels("fog.exr"), pixels("clear.exr"));
+    for (const char* layer : {"albedo", "normal", "depth"})
+        EXPECT_EQ(readLayer(folder / "fog.exr", layer).pixels, readLayer(folder / "clear.exr", layer).pixels)
+            << layer;
 }
 
 }  // namespace

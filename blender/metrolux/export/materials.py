@@ -6,6 +6,7 @@ from .graph import input_of, output_node
 from .shaders import ShaderReader
 from .surface import Surface, bsdf_of, diffuse
 from .values import BLACK, WHITE, constant
+from .volumes import VolumeReader, medium
 from .writer import ValueWriter
 from .xml import plugin
 
@@ -18,6 +19,7 @@ class Material:
     mesh_color: object  # name or None
     writer: object
     is_opaque: bool
+    medium: object = None  # the id of what is inside
 
     @property
     def emits(self):
@@ -54,7 +56,20 @@ class Materials:
         if surface.emission != BLACK:
             writer.radiance(surface.emission)  # notes the UV map that it needs
         self.elements.append(bsdf)
-        return Material(name, surface.emission, writer.uv_map, writer.mesh_color, writer, surface.is_opaque)
+        inside = self._medium(material, thing, f"medium-{len(self._known)}")
+        return Material(name, surface.emission, writer.uv_map, writer.mesh_color, writer, surface.is_opaque, inside)
+
+    def _medium(self, material, thing, name):
+        """The id of the medium of a material's volume, which is exported; None without one."""
+        if material is None or not material.use_nodes or material.node_tree is None:
+            return None
+        output = output_node(material.node_tree, "ShaderNodeOutputMaterial")
+        element = medium(VolumeReader(self._problems, thing), input_of(output, (), "Volume")) if output else None
+        if element is None:
+            return None
+        element.set("id", name)
+        self.elements.append(element)
+        return name
 
     def _surface(self, material, thing):
         reader = ShaderReader(self._problems, thing)
@@ -65,8 +80,6 @@ class Materials:
             reader.problem("it has no output node; it is black")
             return Surface()
         volume = input_of(output, (), "Volume")
-        if volume is not None and volume.node is not None:
-            reader.problem(f"the volume {volume.node.bl_label} is not rendered: volumes are not exported yet")
         displacement = input_of(output, (), "Displacement")
         if displacement is not None and displacement.node is not None:
             reader.problem("displacement is not supported; it is left out")

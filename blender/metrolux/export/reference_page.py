@@ -1,9 +1,10 @@
 """The tables of docs/reference/blender.md, from what the exporter's modules say of themselves."""
 
-from . import lights, normals, shaders, textures, world
+from . import lights, normals, shaders, textures, volumes, world
 
 _TABLES = {
     "shaders": ("shader", shaders.SHADERS),
+    "volumes": ("volume", volumes.VOLUMES),
     "textures": ("node", {**textures.NODES, **normals.NODES, **world.NODES}),
     "lights": ("light", lights.LIGHTS),
 }

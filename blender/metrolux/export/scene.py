@@ -188,6 +188,10 @@ def _ply(file, material, matrix):
     if matrix is not None:
         add(shape, "to_world", transform(matrix))
     shape.append(reference(material.bsdf) if material else plugin("bsdf", "null"))
+    if material and material.medium:
+        inside = reference(material.medium)
+        inside.set("name", "interior")
+        shape.append(inside)
     return shape
 
 

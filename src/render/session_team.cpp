@@ -45,7 +45,7 @@ void RenderSession::shareSlices(Team& team, const RenderLimits& limits) {
 }
 
 std::unique_ptr<Film> RenderSession::merged(const TeamResult& result) const {
-    auto film = std::make_unique<Film>(film_.window(), film_.filter());
+    auto film = std::make_unique<Film>(film_.window(), film_.filter(), scene_->emissionExponent());
     film->addSums(result.sums, result.passes);
     return film;
 }

@@ -177,6 +177,18 @@ TEST_F(SlicesTest, RanksOfMpiMakeTheSameImage) {
     }
 }
 
+/// Far brighter than single precision likes: rendered at ordinary brightness, and scaled in the end.
+TEST_F(SlicesTest, RanksOfMpiKnowTheBrightnessOfTheScene) {
+    if (!haveMpi()) GTEST_SKIP() << "built without MPI, or mpirun is not there";
+    std::string scene = kTinyScene;
+    scene.replace(scene.find("10, 9, 8"), 8, "1e24, 9e23, 8e23");
+    write("scene.xml", scene);
+    ASSERT_EQ(run(words("path") + Words{"-o", "one.exr"}).status, 0);
+    const Outcome outcome = runRanks(2, words("path") + Words{"-o", "ranks.exr"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    EXPECT_EQ(pixels("ranks.exr"), pixels("one.exr"));
+}
+
 TEST_F(SlicesTest, ARankThatDiesEndsTheJobAndAnotherNumberOfRanksGoesOn) {
     if (!haveMpi()) GTEST_SKIP() << "built without MPI, or mpirun is not there";
     const Words longer{"render",   "scene.xml", "-i",       "mcmc_vcm", "--resolution", "24x18",

@@ -196,6 +196,8 @@ void TechniquePaths::merges() {
 
 Passage TechniquePaths::passageFrom(const Vertex& v, const Vec3f& p, const Vec3f& ng) const {
     const Ray ray = scene_.rayBetween(v.si.p, v.si.ng, p, ng);
+    // Without media null lobes are events of a path, and surfaces that have them are in the way.
+    if (!scene_.hasMedia()) return scene_.isFree(ray) ? Passage{} : Passage{Rgb(0.0f), Rgb(0.0f)};
     return passAlong(scene_, ray, mediumBeyond(v, ray.direction));
 }
 

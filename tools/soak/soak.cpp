@@ -86,8 +86,9 @@ Choice randomChoice(uint64_t seed, const Scene& scene, const std::string& integr
         const std::vector<ParameterValue> values = test::otherValues(info);
         choice.parameters[info.name] = values[static_cast<size_t>(rng.next1D() * float(values.size()))];
     }
-    if (choice.parameters.contains("radius"))
-        choice.parameters["radius"] = double(scene.bounds().radius) * (rng.next1D() < 0.5f ? 1e-7 : 1);
+    for (const char* radius : {"radius", "medium_radius"})
+        if (choice.parameters.contains(radius))
+            choice.parameters[radius] = double(scene.bounds().radius) * (rng.next1D() < 0.5f ? 1e-7 : 1);
     // A measured split is for all replicas.
     const auto split = choice.parameters.find("split");
     if (split != choice.parameters.end() && toText(split->second) == "auto")

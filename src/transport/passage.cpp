@@ -69,7 +69,6 @@ WalkPassage walkAlong(const Scene& scene, const Ray& ray, const Rgb& stop, float
 
     const Vec3f& w = ray.direction;
     Met met;
-    Rgb stopHere(1.0f);
     Vec3f origin = ray.origin;
     WalkPassage result;
     for (int crossings = 0;; ++crossings) {
@@ -83,7 +82,6 @@ WalkPassage walkAlong(const Scene& scene, const Ray& ray, const Rgb& stop, float
                     met.thickness += flight->thickness;
                     placeInMedium(scene.mediumPoint(v.medium), origin + w * flight->distance, v.si);
                     v.inMedium = result.ends = true;
-                    stopHere = m->extinction(v.si.p);
                     break;
                 }
                 met.thickness += m->thickness(origin, w, length);
@@ -97,8 +95,6 @@ WalkPassage walkAlong(const Scene& scene, const Ray& ray, const Rgb& stop, float
             (lobe.probability >= 1 || !(target < met.thickness[channel] - std::log(lobe.probability)));
         if (!passes) {
             result.ends = true;
-            stopHere =
-                v.si.shape->emitter ? Rgb(1.0f) : v.si.shape->bsdf->stopDensity(v.si, v.si.toLocal(-w));
             break;
         }
         met.cross(lobe);
@@ -107,7 +103,7 @@ WalkPassage walkAlong(const Scene& scene, const Ray& ray, const Rgb& stop, float
         found = scene.intersect({origin, w}, v.si);
     }
     const Passage passage = met.passage();
-    result.forward = passage.arrival(stopHere);
+    result.forward = passage.arrival(result.ends ? v.stopDensity(-w) : Rgb(1.0f));
     result.reverse = passage.arrival(stop);
     if (result.forward > 0)
         result.weight = passage.transmittance * static_cast<float>(1 / result.forward);

@@ -36,78 +36,68 @@ PixelPartition::PixelPartition(const FilmWindow& window, const CommonOptions& op
 
 namespace {
 
-/// Follows an eye subpath to its first smooth surface and notes the distance traveled.
-class FirstSmooth final : public SubpathVisitor {
+/// Follows an eye subpath to the first vertex that is sought, if light can be joined with none before, and
+/// notes the way.
+class FirstSought final : public SubpathVisitor {
   public:
+    using IsSought = bool (*)(const Vertex&);
+    explicit FirstSought(IsSought isSought) : isSought_(isSought) {}
     double traveled = 0;
+    double lastEdge = 0;  ///< length of the last edge on the way
     bool found = false;
     bool surface(const Vertex& v) override {
-        traveled += v.distanceToPrevious;
-        found = v.hasSmoothLobe();
-        return !found && v.depth < 16;
+        lastEdge = v.distanceToPrevious;
+        traveled += lastEdge;
+        found = isSought_(v);
+        return !found && !v.hasSmoothLobe() && v.depth < 16;
     }
+
+  private:
+    IsSought isSought_;
 };
+
+/// Mean of radiusOf(footprint, visitor) over eye subpaths that find what is sought, 0 if none does.
+/// `footprint`: of a pixel at that distance.
+template <class RadiusOf>
+double meanOverProbes(const Scene& scene, const PathLimits& limits, uint64_t key,
+                      FirstSought::IsSought isSought, RadiusOf&& radiusOf) {
+    constexpr int kProbes = 4096;
+    const FilmWindow& w = scene.camera().window();
+    double sum = 0;
+    int count = 0;
+    for (int i = 0; i < kProbes; ++i) {
+        SobolStream stream(hashKey(key, i / 64), static_cast<uint32_t>(i));
+        const Vec2f u = read(stream, layout::kRaster);
+        FirstSought visitor(isSought);
+        traceEyeSubpath(scene, stream, limits, Strategies::path(),
+                        Vec2f(w.x + u.x * w.width, w.y + u.y * w.height), 1, 0, visitor);
+        if (!visitor.found) continue;
+        sum += radiusOf(scene.camera().pixelFootprint(static_cast<float>(visitor.traveled)), visitor);
+        ++count;
+    }
+    return count > 0 ? sum / count : 0;
+}
 
 }  // namespace
 
 double projectedPixelRadius(const Scene& scene, const PathLimits& limits) {
-    constexpr double kFootprints = 1.0;
     constexpr double kFallbackFraction = 0.003;  // of the scene's radius
-    constexpr int kProbes = 4096;
-    const FilmWindow& w = scene.camera().window();
-    double sum = 0;
-    int count = 0;
-    for (int i = 0; i < kProbes; ++i) {
-        SobolStream stream(hashKey(0x726164697573, i / 64), static_cast<uint32_t>(i));
-        const Vec2f u = read(stream, layout::kRaster);
-        FirstSmooth visitor;
-        traceEyeSubpath(scene, stream, limits, Strategies::path(),
-                        Vec2f(w.x + u.x * w.width, w.y + u.y * w.height), 1, 0, visitor);
-        if (!visitor.found) continue;
-        sum += scene.camera().pixelFootprint(static_cast<float>(visitor.traveled));
-        ++count;
-    }
-    return count > 0 && sum > 0 ? kFootprints * sum / count : kFallbackFraction * scene.bounds().radius;
+    const double footprint = meanOverProbes(
+        scene, limits, 0x726164697573, [](const Vertex& v) { return v.hasSmoothLobe(); },
+        [](double width, const FirstSought&) { return width; });
+    return footprint > 0 ? footprint : kFallbackFraction * scene.bounds().radius;
 }
-
-namespace {
-
-/// Follows an eye subpath to its first vertex in a medium and notes where that is.
-class FirstInMedium final : public SubpathVisitor {
-  public:
-    double traveled = 0, flight = 0;
-    bool found = false;
-    bool surface(const Vertex& v) override {
-        traveled += v.distanceToPrevious;
-        found = v.inMedium;
-        flight = v.distanceToPrevious;
-        return !found && !v.hasSmoothLobe() && v.depth < 16;
-    }
-};
-
-}  // namespace
 
 double projectedMediumRadius(const Scene& scene, const PathLimits& limits) {
     constexpr double kNearInMedia = 10, kOfFlight = 0.25;
-    constexpr int kProbes = 4096;
     if (!scene.hasMedia()) return 0;
-    const FilmWindow& w = scene.camera().window();
-    double sum = 0;
-    int count = 0;
-    for (int i = 0; i < kProbes; ++i) {
-        SobolStream stream(hashKey(0x6d6564, i / 64), static_cast<uint32_t>(i));
-        const Vec2f u = read(stream, layout::kRaster);
-        FirstInMedium visitor;
-        traceEyeSubpath(scene, stream, limits, Strategies::path(),
-                        Vec2f(w.x + u.x * w.width, w.y + u.y * w.height), 1, 0, visitor);
-        if (!visitor.found) continue;
-        const double footprint = scene.camera().pixelFootprint(static_cast<float>(visitor.traveled));
-        sum += std::min(
-            std::cbrt(kNearInMedia * 0.75 / std::numbers::pi * footprint * footprint * visitor.flight),
-            kOfFlight * visitor.flight);
-        ++count;
-    }
-    return count > 0 ? sum / count : 0;
+    return meanOverProbes(
+        scene, limits, 0x6d6564, [](const Vertex& v) { return v.inMedium; },
+        [](double width, const FirstSought& visitor) {
+            const double flight = visitor.lastEdge;
+            return std::min(std::cbrt(kNearInMedia * 0.75 / std::numbers::pi * width * width * flight),
+                            kOfFlight * flight);
+        });
 }
 
 void checkRadius(double radius, const Scene& scene) {

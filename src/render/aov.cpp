@@ -3,15 +3,14 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/rng.h"
-#include "render/visible_surface.h"
+#include "render/pixel_rays.h"
 
 #include <algorithm>
 
 namespace metrolux::core {
 namespace {
 
-constexpr int kStrataPerAxis = 4;
-static_assert(kStrataPerAxis * kStrataPerAxis == kAovSamples);
+static_assert(kRaysOfPixel == kAovSamples);
 
 /// Means over the camera rays of one pixel.
 struct PixelAovs {
@@ -26,10 +25,7 @@ PixelAovs samplePixel(const Scene& scene, int x, int y) {
     PixelAovs sum;
     int hits = 0;
     for (int i = 0; i < kAovSamples; ++i) {
-        const Vec2f jitter = rng.next2D();
-        const int column = i % kStrataPerAxis, row = i / kStrataPerAxis;
-        const Vec2f raster(static_cast<float>(x) + (static_cast<float>(column) + jitter.x) / kStrataPerAxis,
-                           static_cast<float>(y) + (static_cast<float>(row) + jitter.y) / kStrataPerAxis);
+        const Vec2f raster = rasterOfRay(x, y, i, rng.next2D());
         const auto ray = scene.camera().sampleRay(rng.next2D(), raster);
         SurfaceInteraction si;
         if (!ray || !meetVisibleSurface(scene, {ray->origin, ray->direction}, si)) continue;

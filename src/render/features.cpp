@@ -3,7 +3,7 @@
 #include "base/parallel.h"
 #include "base/rng.h"
 #include "image/filter.h"
-#include "render/visible_surface.h"
+#include "render/pixel_rays.h"
 
 #include <algorithm>
 #include <array>
@@ -12,8 +12,7 @@
 namespace metrolux::core {
 namespace {
 
-constexpr int kStrataPerAxis = 4;
-static_assert(kStrataPerAxis * kStrataPerAxis == kFeatureSamples);
+static_assert(kRaysOfPixel == kFeatureSamples);
 
 /// Albedo, normal, inverse distance.
 constexpr size_t kValues = 7;
@@ -93,11 +92,7 @@ class Band {
     void renderPixel(int x, int y) {
         CounterRng rng(hashKey(0x66656174, x, y));
         for (int i = 0; i < kFeatureSamples; ++i) {
-            const Vec2f jitter = rng.next2D();
-            const int column = i % kStrataPerAxis, row = i / kStrataPerAxis;
-            const Vec2f raster(
-                static_cast<float>(x) + (static_cast<float>(column) + jitter.x) / kStrataPerAxis,
-                static_cast<float>(y) + (static_cast<float>(row) + jitter.y) / kStrataPerAxis);
+            const Vec2f raster = rasterOfRay(x, y, i, rng.next2D());
             Values values{};
             if (const auto ray = scene_.camera().sampleRay(rng.next2D(), raster))
                 values = follow(scene_, {ray->origin, ray->direction}, rng);

@@ -198,8 +198,10 @@ FileStamp stampOf(const fs::path& file) {
 }
 
 int64_t fileClock() {
+    // Not the coarse clock: since Linux 6.13 a file that was looked at is stamped by the fine one, so that a
+    // file written before could seem to be written after.
     timespec now{};
-    ::clock_gettime(CLOCK_REALTIME_COARSE, &now);
+    ::clock_gettime(CLOCK_REALTIME, &now);
     return int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
 }
 

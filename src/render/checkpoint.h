@@ -62,7 +62,8 @@ struct FileStamp {
     bool operator==(const FileStamp&) const = default;
 };
 FileStamp stampOf(const std::filesystem::path& file);
-/// Now, by the clock that the system stamps files with.
+/// Now, never before the stamp of a file that has been written; a file written after it may be stamped by up
+/// to a tick of the kernel (10 ms) before it.
 int64_t fileClock();
 
 nlohmann::json fingerprints(const std::vector<std::filesystem::path>& files,

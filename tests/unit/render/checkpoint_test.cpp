@@ -172,5 +172,14 @@ TEST(Merge, SumsOfAnyBitsAreDefined) {
     for (const float value : merger.film().image()) EXPECT_LT(std::abs(value), 1) << "wrapped to -2 units";
 }
 
+/// Linux stamps a file by a fine clock once it has been looked at, and by a coarse one otherwise.
+TEST(FileClock, IsNotBeforeTheStampOfAFileThatWasWritten) {
+    const test::TemporaryFolder folder;
+    for (int i = 0; i < 1000; ++i) {
+        const std::filesystem::path file = folder.write("a", std::to_string(i));
+        ASSERT_LE(stampOf(file).modified, fileClock()) << "write " << i;
+    }
+}
+
 }  // namespace
 }  // namespace metrolux::core

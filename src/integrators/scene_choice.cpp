@@ -16,8 +16,8 @@ bool contains(const Names& names, const std::string& name) {
 }
 
 /// Settings of Mitsuba's integrators that say how samples are spent: they change noise, not the image.
-const Names kWithoutEffect = {"samples_per_pass", "block_size",   "timeout",         "shading_samples",
-                              "emitter_samples",  "bsdf_samples", "emitter_sampling"};
+const Names kWithoutEffect = {"samples_per_pass", "block_size",   "timeout",          "shading_samples",
+                              "emitter_samples",  "bsdf_samples", "emitter_sampling", "use_spectral_mis"};
 /// Those of 0.x, whose files often leave settings behind when they change the type.
 const Names kLegacyWithoutEffect = {"strict_normals",
                                     "sample_num",

@@ -147,8 +147,10 @@ void TubeMesh::addLinear(std::span<const CurvePoint> points) {
     }
 }
 
-std::vector<std::vector<CurvePoint>> readCurves(const std::filesystem::path& path,
-                                                const MeshOptions& options) {
+std::vector<std::vector<CurvePoint>> readCurves(const std::filesystem::path& path, const MeshOptions& options,
+                                                std::optional<double> radius) {
+    const int numbers = radius ? 3 : 4;
+    const char* const line = radius ? "\"x y z\" of a point" : "\"x y z radius\" of a control point";
     const std::string text = readMeshFile(path, options);
     // Two bytes of a line can stand for no more than a point.
     requireMemory(path, options, text.size(), sizeof(CurvePoint) / 2, "the curves");
@@ -166,8 +168,8 @@ std::vector<std::vector<CurvePoint>> readCurves(const std::filesystem::path& pat
             if (at == stop) break;
             double value = 0;
             const auto [rest, problem] = std::from_chars(at, stop, value);
-            if (problem != std::errc() || !std::isfinite(value) || count == 4)
-                throw Error("{}:{}: expected \"x y z radius\" of a control point", path.string(), number + 1);
+            if (problem != std::errc() || !std::isfinite(value) || count == numbers)
+                throw Error("{}:{}: expected {}", path.string(), number + 1, line);
             values[count++] = value;
             at = rest;
         }
@@ -175,11 +177,10 @@ std::vector<std::vector<CurvePoint>> readCurves(const std::filesystem::path& pat
             isOpen = false;
             continue;
         }
-        if (count != 4 || !(values[3] >= 0))
-            throw Error(
-                "{}:{}: found {} numbers, expected \"x y z radius\" of a control point, the radius not "
-                "negative",
-                path.string(), number + 1, count);
+        if (radius) values[3] = *radius;
+        if (count != numbers || !(values[3] >= 0))
+            throw Error("{}:{}: found {} numbers, expected {}{}", path.string(), number + 1, count, line,
+                        radius ? "" : ", the radius not negative");
         if (!std::exchange(isOpen, true)) result.emplace_back();
         result.back().push_back({{values[0], values[1], values[2]}, values[3]});
     }

@@ -50,8 +50,9 @@ class TubeMesh {
     std::shared_ptr<TriangleMesh> mesh_ = std::make_shared<TriangleMesh>();
 };
 
-/// Control points of a text file: "x y z radius" a line, an empty line between two curves. Throws Error.
-std::vector<std::vector<CurvePoint>> readCurves(const std::filesystem::path& path,
-                                                const MeshOptions& options);
+/// Control points of a text file: "x y z radius" a line, an empty line between two curves. With a `radius`
+/// the lines are "x y z". Throws Error.
+std::vector<std::vector<CurvePoint>> readCurves(const std::filesystem::path& path, const MeshOptions& options,
+                                                std::optional<double> radius = std::nullopt);
 
 }  // namespace metrolux::core

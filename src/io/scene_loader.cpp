@@ -174,15 +174,12 @@ class Loader {
         }
         for (const char* tag : {"film", "rfilter", "sampler"})
             for (const ElementPtr& element : scene_.root->childrenOf(tag))
-                if (!scene_.referenced.contains(element.get())) misplaced(*element);
+                if (!scene_.referenced.contains(element.get()))
+                    context_.warn(*element, "is part of no <sensor>: it has no effect");
+        // How Mitsuba 3 traces rays.
+        for (const char* name : {"embree_use_robust_intersections", "allow_thread_reordering"})
+            if (!scene_.root->isLegacy()) scene_.root->ignore(name);
         scene_.root->checkAllUsed(context_.lenient, context_.warnings);
-    }
-
-    void misplaced(const Element& element) {
-        const Error error =
-            element.error("found directly inside <scene>, expected inside of a <sensor> or its <film>");
-        if (!context_.lenient) throw error;
-        context_.warnings.emplace_back(error.what());
     }
 
     bool isFragment_ = false;

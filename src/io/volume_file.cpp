@@ -115,7 +115,7 @@ void readValues(std::istream& stream, Encoding encoding, uint64_t count, float* 
 
 }  // namespace
 
-VolumeFile readVolumeFile(const fs::path& file, MemoryBudget* memory) {
+VolumeFile readVolumeFile(const fs::path& file, MemoryBudget* memory, SampleRange range) {
     refuseLfsPointer(file);
     std::error_code code;
     const uint64_t fileBytes = fs::file_size(file, code);
@@ -129,7 +129,7 @@ VolumeFile readVolumeFile(const fs::path& file, MemoryBudget* memory) {
         header.volume.samples.values.resize(header.count, 0.0f);
         readValues(stream, header.encoding, header.count, header.volume.samples.values.data());
         if (!stream) throw Error("cannot be read in full");
-        checkSamples(header.volume.samples);
+        checkSamples(header.volume.samples, range);
     } catch (const Error& error) {
         throw Error("{}: {}", file.string(), error.what());
     }

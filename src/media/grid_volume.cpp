@@ -275,7 +275,7 @@ class GridVolume final : public Volume {
 
 }  // namespace
 
-void checkSamples(const GridSamples& samples) {
+void checkSamples(const GridSamples& samples, SampleRange range) {
     if (samples.channels != 1 && samples.channels != 3)
         throw Error("gridvolume: has {} channels, expected 1 or 3", samples.channels);
     const size_t channels = static_cast<size_t>(samples.channels);
@@ -291,17 +291,18 @@ void checkSamples(const GridSamples& samples) {
     if (!fits || count != samples.values.size())
         throw Error("gridvolume: has {} values, expected {} x {} x {} of {} channels", samples.values.size(),
                     samples.resolution.x, samples.resolution.y, samples.resolution.z, samples.channels);
-    const auto isBad = [](float value) {
-        return !(value >= 0 && value <= std::numeric_limits<float>::max());
+    const float least = range == SampleRange::Signed ? std::numeric_limits<float>::lowest() : 0;
+    const auto isBad = [least](float value) {
+        return !(value >= least && value <= std::numeric_limits<float>::max());
     };
     const auto bad = std::find_if(samples.values.begin(), samples.values.end(), isBad);
     if (bad == samples.values.end()) return;
     const auto at = static_cast<size_t>(bad - samples.values.begin()), cell = at / channels,
                nx = static_cast<size_t>(samples.resolution.x), ny = static_cast<size_t>(samples.resolution.y);
     throw Error(
-        "gridvolume: found {} in cell ({}, {}, {}), channel {} (counted from 0), expected finite numbers "
-        "that are not negative",
-        *bad, cell % nx, cell / nx % ny, cell / nx / ny, at % channels);
+        "gridvolume: found {} in cell ({}, {}, {}), channel {} (counted from 0), expected finite numbers{}",
+        *bad, cell % nx, cell / nx % ny, cell / nx / ny, at % channels,
+        range == SampleRange::Signed ? "" : " that are not negative");
 }
 
 VolumePtr makeGridVolume(GridSamples samples, const GridSettings& settings) {

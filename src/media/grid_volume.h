@@ -28,8 +28,10 @@ struct GridSettings {
     Transform toWorld{};  ///< from the space of the unit cube; affine
 };
 
-/// Throws Error unless the counts fit each other and all values are finite and not negative.
-void checkSamples(const GridSamples& samples);
+/// What samples may be; finite they are in any case. Distances have a sign.
+enum class SampleRange { NotNegative, Signed };
+/// Throws Error unless the counts fit each other and all values are in range.
+void checkSamples(const GridSamples& samples, SampleRange range = SampleRange::NotNegative);
 /// Throws Error as checkSamples(), unless toWorld is affine and can be inverted, and for Nodes unless there
 /// are two samples an axis at least and the filter is trilinear.
 VolumePtr makeGridVolume(GridSamples samples, const GridSettings& settings);

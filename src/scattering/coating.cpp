@@ -1,11 +1,9 @@
 #include "scattering/coating.h"
 
 #include "base/error.h"
-#include "base/parallel.h"
 #include "scattering/fresnel.h"
 #include "scattering/parameter.h"
-
-#include <array>
+#include "scattering/rough_interface.h"
 
 namespace metrolux::core {
 namespace {
@@ -17,16 +15,19 @@ class Coating final : public Bsdf {
           thickness_(p.thickness),
           sigmaA_(p.sigmaA, 0),
           specular_(p.specularReflectance, 1),
-          base_(p.base),
-          facets_(p.facets) {
-        if (facets_) tabulate();
+          base_(p.base) {
+        if (p.alpha)
+            rough_.emplace(p.distribution, p.alpha, p.eta, false);
+        else if (p.facets)
+            rough_.emplace(*p.facets, p.eta, false);
     }
 
     std::optional<BsdfSample> sample(const SurfaceInteraction& si, const Vec3f& known, TransportMode mode,
                                      float uLobe, const Vec2f& u) const override {
         if (known.z == 0) return std::nullopt;
-        const float specular = specularProbability(si, known);
-        if (uLobe < specular) return reflected(si, known, mode, specular, u);
+        const Outside surface = outsideAt(si);
+        const float specular = specularProbability(surface, si, known);
+        if (uLobe < specular) return reflected(surface, si, known, mode, specular, u);
         const float rescaled = std::min((uLobe - specular) / (1 - specular), kOneMinusEpsilon);
         const Vec3f knownInside = inside(known);
         auto result = base_->sample(si, knownInside, mode, rescaled, u);
@@ -36,13 +37,13 @@ class Coating final : public Bsdf {
         if (!result->delta) return finishSmooth(si, known, *direction, mode);
         // A delta lobe of the base keeps its energy, but for what the layer takes away; its weight for
         // importance has the ratio of the cosines inside.
-        result->weight *= transmittance(known) * transmittance(*direction) / (1 - specular);
+        result->weight *= transmittance(surface, known) * transmittance(surface, *direction) / (1 - specular);
         result->weight *= absorption(si, knownInside, result->direction);
         if (mode == TransportMode::Importance)
             result->weight *= absCosTheta(known) * absCosTheta(result->direction) /
                               (absCosTheta(*direction) * absCosTheta(knownInside));
         result->pdfForward *= 1 - specular;
-        result->pdfReverse *= 1 - specularProbability(si, *direction);
+        result->pdfReverse *= 1 - specularProbability(surface, si, *direction);
         result->direction = *direction;
         if (isBlack(result->weight)) return std::nullopt;
         return result;
@@ -52,17 +53,18 @@ class Coating final : public Bsdf {
                             const Vec3f& wLight) const override {
         if (!(wEye.z * wLight.z > 0)) return {};
         const Vec3f eye = inside(wEye), light = inside(wLight);
-        const float specularEye = specularProbability(si, wEye),
-                    specularLight = specularProbability(si, wLight);
+        const Outside surface = outsideAt(si);
+        const float specularEye = specularProbability(surface, si, wEye),
+                    specularLight = specularProbability(surface, si, wLight);
         BsdfEvaluation result = base_->evaluate(si, eye, light);
         // Solid angles inside over those outside.
         const float squeezeEye = wEye.z / (eta_ * eta_ * eye.z),
                     squeezeLight = wLight.z / (eta_ * eta_ * light.z);
-        result.value *= transmittance(wEye) * transmittance(wLight) * squeezeLight;
+        result.value *= transmittance(surface, wEye) * transmittance(surface, wLight) * squeezeLight;
         result.value *= absorption(si, eye, light);
         result.pdfLight *= (1 - specularEye) * squeezeLight;
         result.pdfEye *= (1 - specularLight) * squeezeEye;
-        if (facets_) addReflection(si, wEye, wLight, specularEye, specularLight, result);
+        if (surface) addReflection(surface->facets, si, wEye, wLight, specularEye, specularLight, result);
         return result;
     }
 
@@ -70,27 +72,17 @@ class Coating final : public Bsdf {
         const float external = eta_ == 1 ? 0.0f : fresnelDiffuseReflectance(eta_);
         return clampUnit(specular_(si) * external + base_->albedo(si) * (1 - external));
     }
-    bool hasSmoothLobe() const override { return facets_ || base_->hasSmoothLobe(); }
-    bool hasDeltaLobe() const override { return !facets_ || base_->hasDeltaLobe(); }
-    bool isNarrow(const SurfaceInteraction& si) const override { return !facets_ && base_->isNarrow(si); }
+    bool hasSmoothLobe() const override { return rough_ || base_->hasSmoothLobe(); }
+    bool hasDeltaLobe() const override { return !rough_ || base_->hasDeltaLobe(); }
+    bool isNarrow(const SurfaceInteraction& si) const override { return !rough_ && base_->isNarrow(si); }
 
   private:
-    static constexpr size_t kSize = 64;
-
-    /// Transmittance of rough facets at equidistant cosines.
-    void tabulate() {
-        parallelFor(kSize, [&](size_t i) {
-            const float cosine = std::max(1e-6f, static_cast<float>(i) / (kSize - 1));
-            const Vec3f w(safeSqrt(1 - cosine * cosine), 0, cosine);
-            table_[i] = microfacetTransmittance(*facets_, w, eta_, eta_ > 1 ? 32 : 128);
-        });
+    using Outside = std::optional<RoughInterface::At>;  ///< nothing where it is smooth
+    Outside outsideAt(const SurfaceInteraction& si) const {
+        return rough_ ? Outside((*rough_)(si)) : std::nullopt;
     }
-
-    float transmittance(const Vec3f& w) const {
-        if (!facets_) return 1 - fresnelDielectric(absCosTheta(w), eta_);
-        const float x = absCosTheta(w) * (kSize - 1);
-        const size_t i = std::min(static_cast<size_t>(x), kSize - 2);
-        return lerp(x - static_cast<float>(i), table_[i], table_[i + 1]);
+    float transmittance(const Outside& surface, const Vec3f& w) const {
+        return surface ? surface->transmittance(absCosTheta(w)) : 1 - fresnelDielectric(absCosTheta(w), eta_);
     }
 
     /// In the layer, on the same side: Snell's law at the mean surface. Total reflection, of a layer that is
@@ -114,25 +106,26 @@ class Coating final : public Bsdf {
     }
 
     /// Probability of the outer reflection, given one direction.
-    float specularProbability(const SurfaceInteraction& si, const Vec3f& w) const {
-        const float transmitted = transmittance(w);
+    float specularProbability(const Outside& surface, const SurfaceInteraction& si, const Vec3f& w) const {
+        const float transmitted = transmittance(surface, w);
         const float specular = (1 - transmitted) * average(specular_(si));
         const float base = transmitted * average(base_->albedo(si));
         return specular > 0 ? std::min(specular / (specular + base), 0.999f) : 0.0f;
     }
 
-    std::optional<BsdfSample> reflected(const SurfaceInteraction& si, const Vec3f& known, TransportMode mode,
-                                        float probability, const Vec2f& u) const {
-        if (facets_) {
+    std::optional<BsdfSample> reflected(const Outside& surface, const SurfaceInteraction& si,
+                                        const Vec3f& known, TransportMode mode, float probability,
+                                        const Vec2f& u) const {
+        if (surface) {
             const float side = known.z > 0 ? 1.0f : -1.0f;
-            const Vec3f m = facets_->sampleVisible(known * side, u) * side;
+            const Vec3f m = surface->facets.sampleVisible(known * side, u) * side;
             const Vec3f direction = reflectAbout(known, m);
             if (!(direction.z * known.z > 0)) return std::nullopt;
             return finishSmooth(si, known, direction, mode);
         }
         BsdfSample result;
         result.direction = {-known.x, -known.y, known.z};
-        const Rgb energy = specular_(si) * (1 - transmittance(known));
+        const Rgb energy = specular_(si) * (1 - transmittance(surface, known));
         if (isBlack(energy)) return std::nullopt;
         result.weight = deltaWeight(mode, energy, probability, known, result.direction, 1);
         result.pdfForward = result.pdfReverse = probability;
@@ -140,24 +133,24 @@ class Coating final : public Bsdf {
         return result;
     }
 
-    void addReflection(const SurfaceInteraction& si, const Vec3f& wEye, const Vec3f& wLight,
-                       float specularEye, float specularLight, BsdfEvaluation& result) const {
+    void addReflection(const MicrofacetDistribution& facets, const SurfaceInteraction& si, const Vec3f& wEye,
+                       const Vec3f& wLight, float specularEye, float specularLight,
+                       BsdfEvaluation& result) const {
         Vec3f m = normalize(wEye + wLight);
         if (m.z < 0) m = -m;
-        const float d = facets_->d(m);
+        const float d = facets.d(m);
         if (d == 0) return;
         const float fresnel = fresnelDielectric(absDot(wEye, m), eta_);
-        const float g = facets_->g1(wEye, m) * facets_->g1(wLight, m);
+        const float g = facets.g1(wEye, m) * facets.g1(wLight, m);
         result.value += specular_(si) * (fresnel * d * g / (4 * absCosTheta(wEye)));
-        result.pdfLight += 0.25f * specularEye * facets_->visiblePdfOverCosine(wEye, m, d);
-        result.pdfEye += 0.25f * specularLight * facets_->visiblePdfOverCosine(wLight, m, d);
+        result.pdfLight += 0.25f * specularEye * facets.visiblePdfOverCosine(wEye, m, d);
+        result.pdfEye += 0.25f * specularLight * facets.visiblePdfOverCosine(wLight, m, d);
     }
 
     float eta_, thickness_;
     ColorParameter sigmaA_, specular_;
     BsdfPtr base_;
-    std::optional<MicrofacetDistribution> facets_;
-    std::array<float, kSize> table_{};
+    std::optional<RoughInterface> rough_;
 };
 
 }  // namespace

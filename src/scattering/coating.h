@@ -18,6 +18,8 @@ struct CoatingParameters {
     TexturePtr specularReflectance;  ///< 1 when null
     BsdfPtr base;
     std::optional<MicrofacetDistribution> facets;  ///< of the outside; absent: smooth
+    TexturePtr alpha;                              ///< roughness of the outside, in place of `facets`
+    MicrofacetType distribution = MicrofacetType::Beckmann;  ///< of it
 };
 /// Throws Error for an index that is not positive, for a negative thickness and for a base that transmits.
 BsdfPtr makeCoating(const CoatingParameters& parameters);

@@ -13,6 +13,7 @@ struct RoughPlasticParameters {
     TexturePtr specularReflectance;  ///< factor; 1
     bool nonlinear = false;          ///< colors saturate by scattering repeatedly below the coat
     float alpha = 0.1f;              ///< roughness, isotropic
+    TexturePtr alphaTexture;         ///< in its place, where there is one
     MicrofacetType distribution = MicrofacetType::Beckmann;
 };
 /// Throws Error unless eta is positive, finite and not 1.

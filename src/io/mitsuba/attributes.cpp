@@ -23,10 +23,13 @@ Attributes::Attributes(const Source& source, pugi::xml_node node, Parameters& pa
         const std::string name = attribute.name();
         if (std::find(known.begin(), known.end(), name) == known.end()) {
             const std::string nearest = nearestName(name, known);
-            throw nodeError(
-                source, node,
-                fmt::format("found the attribute \"{}\", which does not belong here{}", name,
-                            nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
+            const Error problem =
+                nodeError(source, node,
+                          fmt::format("found the attribute \"{}\", which does not belong here{}", name,
+                                      nearest.empty() ? "" : fmt::format("; did you mean \"{}\"?", nearest)));
+            if (!parameters.forgiven) throw problem;
+            parameters.forgiven->emplace_back(problem.what());
+            continue;
         }
         if (has(name.c_str()))
             throw nodeError(source, node, fmt::format("found the attribute \"{}\" twice", name));

@@ -15,7 +15,7 @@ Error nodeError(const Source& source, pugi::xml_node node, const std::string& me
 class Attributes {
   public:
     /// Throws Error if a required attribute is missing or one stands there that is neither required nor
-    /// optional.
+    /// optional, unless that is forgiven (Parameters).
     Attributes(const Source& source, pugi::xml_node node, Parameters& parameters,
                std::initializer_list<const char*> required, std::initializer_list<const char*> optional = {});
 

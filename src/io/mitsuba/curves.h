@@ -7,5 +7,7 @@ namespace metrolux::core::mitsuba {
 /// Throws Error.
 ShapePtr makeBSplineCurve(const Element& element, LoadContext& context);
 ShapePtr makeLinearCurve(const Element& element, LoadContext& context);
+/// 0.6: `hair`, a file of points and one radius.
+ShapePtr makeHair(const Element& element, LoadContext& context);
 
 }  // namespace metrolux::core::mitsuba

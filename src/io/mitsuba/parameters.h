@@ -20,6 +20,9 @@ class Parameters {
     /// Throws Error for a -D name that no <default> declares and nothing uses.
     void checkDefinesUsed(const std::string& file) const;
 
+    /// Where a warning goes for an attribute that its element does not know; null: that is an error.
+    std::vector<std::string>* forgiven = nullptr;
+
   private:
     struct Entry {
         std::string value;

@@ -1,6 +1,5 @@
 #include "io/mitsuba/parser.h"
 
-#include "io/lfs_pointer.h"
 #include "io/mitsuba/attributes.h"
 #include "io/mitsuba/references.h"
 #include "io/mitsuba/spectrum_plugins.h"
@@ -10,6 +9,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <utility>
 
 namespace metrolux::core::mitsuba {
 namespace {
@@ -82,6 +82,9 @@ class Parser {
                             fmt::format("included under the name \"{}\", expected a single object", name));
         const auto [version, minor] = versionOf(source, node);
         const File file{source, version, minor};
+        // 0.6 does not look at attributes that an element does not have.
+        std::vector<std::string>* const outside =
+            std::exchange(parameters_.forgiven, file.isLegacy() ? &warnings_ : nullptr);
         files_.insert(path.string());
         openFiles_.push_back(fs::weakly_canonical(path));
         if (!isScene) {
@@ -95,6 +98,7 @@ class Parser {
             contents(file, node, parent, depth);
         }
         openFiles_.pop_back();
+        parameters_.forgiven = outside;
     }
 
     /// The version that the file names, major and minor.
@@ -235,7 +239,10 @@ class Parser {
         for (const pugi::xml_node child : node.children("transform"))
             Attributes(file.source, child, parameters_, {"time"});
         const Transform value = parseTransform(file.source, first, parameters_, file.isLegacy());
-        located(file, node, [&] { addNamed(file, node, parent, attributes["name"], value); });
+        // A shape of 3.x may move under this name, too.
+        const std::string& name = attributes["name"];
+        const std::string property = !file.isLegacy() && name == "animation" ? "to_world" : name;
+        located(file, node, [&] { addNamed(file, node, parent, property, value); });
         if (first.next_sibling("transform"))
             warnings_.emplace_back(
                 nodeError(file.source, node, "scenes do not move: the first of its transforms holds").what());
@@ -399,42 +406,6 @@ class Parser {
 };
 
 }  // namespace
-
-fs::path findFile(const std::string& filename, const fs::path& from,
-                  const std::vector<fs::path>& searchPaths) {
-    if (filename.empty()) throw Error("found an empty file name");
-    std::string name = filename;
-    if (name.find('\0') != std::string::npos || name.size() > 4096)
-        throw Error("found an unusable file name");
-    std::vector<fs::path> folders;
-    const auto add = [&folders](const fs::path& folder) {
-        if (std::find(folders.begin(), folders.end(), folder) == folders.end()) folders.push_back(folder);
-    };
-    if (!fs::path(name).is_absolute()) {
-        const fs::path own = from.parent_path();
-        if (searchPaths.empty() || own != searchPaths.back()) add(own);
-        for (const fs::path& folder : searchPaths) add(folder);
-    }
-    add({});  // absolute, or in the working folder
-    bool foundFolder = false;
-    for (int attempt = 0; attempt < 2; ++attempt) {
-        for (const fs::path& folder : folders) {
-            std::error_code code;
-            const fs::path candidate = folder / name;
-            if (fs::is_regular_file(candidate, code)) {
-                refuseLfsPointer(candidate);
-                return candidate;
-            }
-            foundFolder = foundFolder || fs::is_directory(candidate, code);
-        }
-        std::replace(name.begin(), name.end(), '\\', '/');  // scenes exported on Windows
-    }
-    std::string places;
-    for (const fs::path& folder : folders)
-        places += (places.empty() ? "" : ", ") + (folder.empty() ? std::string(".") : folder.string());
-    if (foundFolder) throw Error("\"{}\" is a folder, expected a file", filename);
-    throw Error("the file \"{}\" does not exist (looked in: {})", filename, places);
-}
 
 ParsedScene parseScene(const fs::path& file, const std::map<std::string, std::string>& defines, bool lenient,
                        MemoryBudget* memory) {

@@ -1,6 +1,6 @@
 /// BSDFs: Mitsuba 3's parameters and defaults, and what 0.6 scenes need in addition.
 
-#include "io/mitsuba/context.h"
+#include "io/mitsuba/bsdf_source.h"
 #include "io/mitsuba/unknown_plugins.h"
 #include "io/mitsuba/values.h"
 #include "scattering/blend.h"
@@ -10,7 +10,6 @@
 #include "scattering/dielectric.h"
 #include "scattering/diffuse.h"
 #include "scattering/diffuse_transmitter.h"
-#include "scattering/ior_table.h"
 #include "scattering/mask.h"
 #include "scattering/mixture.h"
 #include "scattering/normal_map.h"
@@ -31,101 +30,28 @@
 namespace metrolux::core::mitsuba {
 namespace {
 
-std::string joined(const std::vector<std::string>& names) {
-    std::string result;
-    for (const std::string& name : names) result += (result.empty() ? "" : ", ") + name;
-    return result;
-}
-
-/// What an element of the scene is made from.
-struct Source {
-    const Element& element;
-    LoadContext& context;
-
-    TexturePtr color(const std::string& name, float fallback) const {
-        return textureProperty(element, name, context, Rgb(fallback));
-    }
-    TexturePtr scalar(const std::string& name, float fallback) const {
-        return scalarTextureProperty(element, name, context, fallback);
-    }
-
-    /// An index of refraction as a number or a name.
-    float ior(const std::string& name, const std::string& fallback) const {
-        const Property* property = element.find(name);
-        if (property && !std::holds_alternative<std::string>(property->value)) {
-            const float value = element.number(name, 0);
-            if (!(value > 0))
-                throw element.error(*property,
-                                    fmt::format("found {}, expected a positive index of refraction", value));
-            return value;
-        }
-        const std::string material = element.string(name, fallback);
-        if (const auto value = namedIor(material)) return *value;
-        throw element.error(
-            *property, fmt::format("found the material \"{}\", expected a number or one of: {}", material,
-                                   joined(iorNames())));
-    }
-    float relativeIor(const std::string& interior) const {
-        return ior("int_ior", interior) / ior("ext_ior", "air");
-    }
-
-    /// The nested BSDFs, in order.
-    std::vector<BsdfPtr> nested(size_t least, size_t most) const {
-        const std::vector<ElementPtr> children = element.childrenOf("bsdf");
-        if (children.size() < least || children.size() > most)
-            throw element.error(
-                fmt::format("found {} nested <bsdf> elements, expected {}", children.size(),
-                            least == most ? std::to_string(least) : fmt::format("{} to {}", least, most)));
-        std::vector<BsdfPtr> result;
-        for (const ElementPtr& child : children) result.push_back(makeBsdf(*child, context));
-        return result;
-    }
-
-    /// A texture under this name, or the only one without a name.
-    TexturePtr nestedTexture(const std::string& name) const {
-        if (const ElementPtr child = element.child(name)) return makeTexture(*child, context);
-        if (!name.empty() && element.has(name)) return textureProperty(element, name, context, Rgb(0.0f));
-        const std::vector<ElementPtr> children = element.childrenOf("texture");
-        if (children.size() != 1)
-            throw element.error(
-                fmt::format("found {} nested <texture> elements, expected one", children.size()));
-        return makeTexture(*children[0], context);
-    }
-
-    /// Runs a constructor whose errors do not know where they come from.
-    template <class Make, class Parameters>
-    BsdfPtr make(Make&& maker, const Parameters& parameters) const {
-        try {
-            return maker(parameters);
-        } catch (const Error& problem) {
-            throw element.error(problem.what());
-        }
-    }
-};
-
 /// eta and k of a metal: given, or of a named material.
 template <class Parameters>
-void readConductor(const Source& s, Parameters& p) {
+void readConductor(const BsdfSource& s, Parameters& p) {
     const Element& e = s.element;
     const bool given = e.has("eta") || e.has("k");
-    if (given) {
-        if (e.has("material"))
-            throw e.error("found \"material\" as well as \"eta\" or \"k\", expected one of the two");
-        const auto read = [&](const std::string& name, float fallback) {
-            if (const ElementPtr child = e.child(name)) return makeTexture(*child, s.context);
-            return makeConstantTexture(unboundedColor(e, name, s.context, Rgb(fallback)));
-        };
-        p.eta = read("eta", 0);
-        p.k = read("k", 1);
-    } else {
+    ConductorIor metal{Rgb(0.0f), Rgb(1.0f)};
+    if (!given || e.isLegacy()) {  // in 0.6 the material holds where one of them is not given
         const std::string name = e.string("material", e.isLegacy() ? "Cu" : "none");
         const auto material = namedConductor(name);
         if (!material)
             throw e.error(fmt::format("found the material \"{}\", expected one of: {}", name,
-                                      joined(conductorNames())));
-        p.eta = makeConstantTexture(material->eta);
-        p.k = makeConstantTexture(material->k);
+                                      fmt::join(conductorNames(), ", ")));
+        metal = *material;
+    } else if (e.has("material")) {
+        throw e.error("found \"material\" as well as \"eta\" or \"k\", expected one of the two");
     }
+    const auto read = [&](const std::string& name, const Rgb& fallback) {
+        if (const ElementPtr child = e.child(name)) return makeTexture(*child, s.context);
+        return makeConstantTexture(unboundedColor(e, name, s.context, fallback));
+    };
+    p.eta = read("eta", metal.eta);
+    p.k = read("k", metal.k);
     if (e.has("ext_eta")) {  // 0.6: the index around the metal
         if (!p.eta->isConstant() || !p.k->isConstant())
             throw e.error("\"ext_eta\" needs constant \"eta\" and \"k\"");
@@ -136,68 +62,45 @@ void readConductor(const Source& s, Parameters& p) {
     p.specularReflectance = s.color("specular_reflectance", 1);
 }
 
-MicrofacetType readDistribution(const Source& s) {
-    s.element.ignore("sample_visible");  // always
-    const std::string name = s.element.string("distribution", "beckmann");
-    if (name == "beckmann") return MicrofacetType::Beckmann;
-    if (name == "ggx") return MicrofacetType::Ggx;
-    if (s.element.isLegacy() && (name == "phong" || name == "as")) {
-        s.context.warn(s.element, fmt::format("the distribution \"{}\" of 0.6 is read as beckmann", name));
-        return MicrofacetType::Beckmann;
-    }
-    throw s.element.error(fmt::format("found the distribution \"{}\", expected beckmann or ggx", name));
-}
+BsdfPtr diffuse(const BsdfSource& s) { return makeDiffuse({s.color("reflectance", 0.5f)}); }
 
-/// alpha, or alpha_u and alpha_v.
-template <class Parameters>
-void readRoughness(const Source& s, Parameters& p) {
-    const Element& e = s.element;
-    const bool u = e.has("alpha_u"), v = e.has("alpha_v");
-    if (u != v) throw e.error("found only one of \"alpha_u\" and \"alpha_v\", expected both");
-    if (u && e.has("alpha")) throw e.error("found \"alpha\" as well as \"alpha_u\" and \"alpha_v\"");
-    p.alphaU = s.scalar(u ? "alpha_u" : "alpha", 0.1f);
-    p.alphaV = u ? s.scalar("alpha_v", 0.1f) : p.alphaU;
-}
-
-BsdfPtr diffuse(const Source& s) { return makeDiffuse({s.color("reflectance", 0.5f)}); }
-
-BsdfPtr dielectric(const Source& s) {
+BsdfPtr dielectric(const BsdfSource& s) {
     return s.make(makeDielectric,
                   DielectricParameters{s.relativeIor("bk7"), s.color("specular_reflectance", 1),
                                        s.color("specular_transmittance", 1)});
 }
 
-BsdfPtr thinDielectric(const Source& s) {
+BsdfPtr thinDielectric(const BsdfSource& s) {
     return s.make(makeThinDielectric,
                   ThinDielectricParameters{s.relativeIor("bk7"), s.color("specular_reflectance", 1),
                                            s.color("specular_transmittance", 1)});
 }
 
-BsdfPtr roughDielectric(const Source& s) {
+BsdfPtr roughDielectric(const BsdfSource& s) {
     RoughDielectricParameters p;
     p.eta = s.relativeIor("bk7");
     p.specularReflectance = s.color("specular_reflectance", 1);
     p.specularTransmittance = s.color("specular_transmittance", 1);
-    p.distribution = readDistribution(s);
+    p.distribution = s.distribution();
     readRoughness(s, p);
     return s.make(makeRoughDielectric, p);
 }
 
-BsdfPtr conductor(const Source& s) {
+BsdfPtr conductor(const BsdfSource& s) {
     ConductorParameters p;
     readConductor(s, p);
     return s.make(makeConductor, p);
 }
 
-BsdfPtr roughConductor(const Source& s) {
+BsdfPtr roughConductor(const BsdfSource& s) {
     RoughConductorParameters p;
     readConductor(s, p);
-    p.distribution = readDistribution(s);
+    p.distribution = s.distribution();
     readRoughness(s, p);
     return s.make(makeRoughConductor, p);
 }
 
-BsdfPtr plastic(const Source& s) {
+BsdfPtr plastic(const BsdfSource& s) {
     PlasticParameters p;
     p.eta = s.relativeIor("polypropylene");
     p.diffuseReflectance = s.color("diffuse_reflectance", 0.5f);
@@ -206,18 +109,21 @@ BsdfPtr plastic(const Source& s) {
     return s.make(makePlastic, p);
 }
 
-BsdfPtr roughPlastic(const Source& s) {
+BsdfPtr roughPlastic(const BsdfSource& s) {
     RoughPlasticParameters p;
     p.eta = s.relativeIor("polypropylene");
     p.diffuseReflectance = s.color("diffuse_reflectance", 0.5f);
     p.specularReflectance = s.color("specular_reflectance", 1);
     p.nonlinear = s.element.boolean("nonlinear", false);
-    p.distribution = readDistribution(s);
-    p.alpha = s.element.number("alpha", 0.1f);
+    p.distribution = s.distribution();
+    if (s.hasTexturedAlpha())
+        p.alphaTexture = s.scalar("alpha", 0.1f);
+    else
+        p.alpha = s.element.number("alpha", 0.1f);
     return s.make(makeRoughPlastic, p);
 }
 
-BsdfPtr phong(const Source& s) {
+BsdfPtr phong(const BsdfSource& s) {
     PhongParameters p;
     p.diffuseReflectance = s.color("diffuse_reflectance", 0.5f);
     p.specularReflectance = s.color("specular_reflectance", 0.2f);
@@ -225,7 +131,7 @@ BsdfPtr phong(const Source& s) {
     return s.make(makePhong, p);
 }
 
-BsdfPtr ward(const Source& s) {
+BsdfPtr ward(const BsdfSource& s) {
     WardParameters p;
     const std::string variant = s.element.string("variant", "balanced");
     if (variant == "ward") {
@@ -244,7 +150,7 @@ BsdfPtr ward(const Source& s) {
 
 /// What the two principled models have in common.
 template <class Parameters>
-void readPrincipled(const Source& s, Parameters& p) {
+void readPrincipled(const BsdfSource& s, Parameters& p) {
     p.baseColor = s.color("base_color", 0.5f);
     p.roughness = s.scalar("roughness", 0.5f);
     p.anisotropic = s.scalar("anisotropic", 0);
@@ -256,7 +162,7 @@ void readPrincipled(const Source& s, Parameters& p) {
     p.diffuseReflectanceSamplingRate = s.element.number("diffuse_reflectance_sampling_rate", 1);
 }
 
-BsdfPtr principled(const Source& s) {
+BsdfPtr principled(const BsdfSource& s) {
     const Element& e = s.element;
     PrincipledParameters p;
     readPrincipled(s, p);
@@ -272,7 +178,7 @@ BsdfPtr principled(const Source& s) {
     return s.make(makePrincipled, p);
 }
 
-BsdfPtr principledThin(const Source& s) {
+BsdfPtr principledThin(const BsdfSource& s) {
     PrincipledThinParameters p;
     readPrincipled(s, p);
     p.eta = s.scalar("eta", 1.5f);
@@ -283,20 +189,20 @@ BsdfPtr principledThin(const Source& s) {
     return s.make(makePrincipledThin, p);
 }
 
-BsdfPtr twoSided(const Source& s) {
+BsdfPtr twoSided(const BsdfSource& s) {
     const std::vector<BsdfPtr> nested = s.nested(1, 2);
     return s.make(makeTwoSided, TwoSidedParameters{nested.front(), nested.back()});
 }
 
-BsdfPtr mask(const Source& s) { return makeMask({s.scalar("opacity", 0.5f), s.nested(1, 1)[0]}); }
+BsdfPtr mask(const BsdfSource& s) { return makeMask({s.scalar("opacity", 0.5f), s.nested(1, 1)[0]}); }
 
-BsdfPtr blend(const Source& s) {
+BsdfPtr blend(const BsdfSource& s) {
     const std::vector<BsdfPtr> nested = s.nested(2, 2);
     return makeBlend({s.scalar("weight", 0.5f), nested[0], nested[1]});
 }
 
 /// 0.6: weights as one text, for as many nested BSDFs.
-BsdfPtr mixture(const Source& s) {
+BsdfPtr mixture(const BsdfSource& s) {
     const Element& e = s.element;
     const std::vector<BsdfPtr> nested = s.nested(1, 64);
     const std::string text = e.requiredString("weights");
@@ -319,7 +225,7 @@ BsdfPtr mixture(const Source& s) {
     return s.make(makeMixture, p);
 }
 
-BsdfPtr coating(const Source& s) {
+BsdfPtr coating(const BsdfSource& s) {
     CoatingParameters p;
     p.eta = s.relativeIor("bk7");
     p.thickness = s.element.number("thickness", 1);
@@ -330,38 +236,43 @@ BsdfPtr coating(const Source& s) {
     p.specularReflectance = s.color("specular_reflectance", 1);
     p.base = s.nested(1, 1)[0];
     if (s.element.type == "roughcoating") {
-        const float alpha = s.element.number("alpha", 0.1f);
-        p.facets.emplace(readDistribution(s), alpha, alpha);
+        p.distribution = s.distribution();
+        if (s.hasTexturedAlpha()) {
+            p.alpha = s.scalar("alpha", 0.1f);
+        } else {
+            const float alpha = s.element.number("alpha", 0.1f);
+            p.facets.emplace(p.distribution, alpha, alpha);
+        }
     }
     return s.make(makeCoating, p);
 }
 
-BsdfPtr roughDiffuse(const Source& s) {
+BsdfPtr roughDiffuse(const BsdfSource& s) {
     return makeRoughDiffuse(
         {s.color("reflectance", 0.5f), s.scalar("alpha", 0.2f), s.element.boolean("use_fast_approx", false)});
 }
 
-BsdfPtr diffuseTransmitter(const Source& s) {
+BsdfPtr diffuseTransmitter(const BsdfSource& s) {
     return makeDiffuseTransmitter({s.color("transmittance", 0.5f)});
 }
 
-PerturbationOptions perturbation(const Source& s) {
+PerturbationOptions perturbation(const BsdfSource& s) {
     return {s.element.boolean("flip_invalid_normals", true),
             s.element.boolean("use_shadowing_function", true)};
 }
 
-BsdfPtr bumpMap(const Source& s) {
+BsdfPtr bumpMap(const BsdfSource& s) {
     return makeBumpMap(
         {s.nestedTexture(""), s.element.number("scale", 1), s.nested(1, 1)[0], perturbation(s)});
 }
 
-BsdfPtr normalMap(const Source& s) {
+BsdfPtr normalMap(const BsdfSource& s) {
     return makeNormalMap({s.nestedTexture("normalmap"), s.nested(1, 1)[0], perturbation(s)});
 }
 
-BsdfPtr nothing(const Source&) { return makeNullBsdf(); }
+BsdfPtr nothing(const BsdfSource&) { return makeNullBsdf(); }
 
-using Factory = BsdfPtr (*)(const Source&);
+using Factory = BsdfPtr (*)(const BsdfSource&);
 const std::vector<std::pair<std::string, Factory>> kFactories = {
     {"diffuse", diffuse},
     {"dielectric", dielectric},
@@ -381,6 +292,10 @@ const std::vector<std::pair<std::string, Factory>> kFactories = {
     {"bumpmap", bumpMap},
     {"normalmap", normalMap},
     {"null", nothing},
+    {"polarizer", makePolarizer},
+    {"circular", makePolarizer},
+    {"retarder", makeRetarder},
+    {"pplastic", makePlasticWithoutPolarization},
     {"mixturebsdf", mixture},
     {"coating", coating},
     {"roughcoating", coating},

@@ -58,6 +58,11 @@ LightPtr makeSpot(const Element& element, LoadContext& context) {
     p.intensity = emissionColor(element, "intensity", context, p.intensity);
     p.cutoffAngle = element.number("cutoff_angle", p.cutoffAngle);
     p.beamWidth = element.number("beam_width", p.cutoffAngle * 0.75f);
+    if (p.beamWidth > p.cutoffAngle) {
+        context.warn(element, fmt::format("\"beam_width\" {} is cut at \"cutoff_angle\", {}", p.beamWidth,
+                                          p.cutoffAngle));
+        p.beamWidth = p.cutoffAngle;
+    }
     if (element.has("texture")) p.texture = textureProperty(element, "texture", context, Rgb(1.0f));
     return makeSpotLight(p);
 }

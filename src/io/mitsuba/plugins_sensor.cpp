@@ -97,7 +97,8 @@ void readFormats(const Element& element, LoadContext& context) {
         context.warn(
             element,
             fmt::format("\"{}\" has no effect: the filter is exact at the border of the image", border));
-    element.ignore("compensate");  // sums are always exact enough
+    element.ignore("compensate");                          // sums are always exact enough
+    if (element.version == 2) element.ignore("filename");  // of 2.0: the output is chosen on the command line
     element.ignore("banner");
 }
 
@@ -254,6 +255,8 @@ CameraPtr makeCamera(const Element& element, LoadContext& context, SceneParts& p
     bookFilm(film ? *film : element, context, window);
     element.childrenOf(
         "sampler");  // samples are drawn by the integrator, their number is a choice of the command line
+    if (!element.isLegacy())
+        for (const char* name : {"rolling_shutter_type", "rolling_shutter_duration"}) element.ignore(name);
     if (element.number("shutter_open", 0) != 0 || element.number("shutter_close", 0) != 0)
         context.warn(element, "the shutter has no effect: scenes do not move");
 

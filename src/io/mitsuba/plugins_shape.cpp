@@ -4,9 +4,11 @@
 #include "io/mesh_arrays.h"
 #include "io/mitsuba/context.h"
 #include "io/mitsuba/curves.h"
+#include "io/mitsuba/distance_shape.h"
 #include "io/mitsuba/heightfield.h"
 #include "io/mitsuba/media.h"
 #include "io/mitsuba/mesh_attributes.h"
+#include "io/mitsuba/round_shapes.h"
 #include "io/mitsuba/unknown_plugins.h"
 #include "io/mitsuba/world_origin.h"
 #include "scattering/diffuse.h"
@@ -82,21 +84,6 @@ ShapePtr makeMeshShape(const Element& element, LoadContext& context) {
     return meshOfArrays(element.requiredArrays("arrays"), meshOptions(element, context, false));
 }
 
-ShapePtr makeSphereShape(const Element& element, LoadContext& context) {
-    const Placement placement(element, context);
-    // A map that mirrors turns the normals in 2.x and 3.x, but not in 0.6.
-    const bool turns = element.isLegacy() && placement.toWorld.determinant3() < 0;
-    return makeSphere(placement.toWorld, element.point("center", Vec3d(0.0)), element.number("radius", 1.0f),
-                      placement.flipNormals != turns);
-}
-
-ShapePtr makeCylinderShape(const Element& element, LoadContext& context) {
-    const Placement placement(element, context);
-    return makeCylinder(placement.toWorld, element.point("p0", Vec3d(0, 0, 0)),
-                        element.point("p1", Vec3d(0, 0, 1)), element.number("radius", 1.0f),
-                        placement.flipNormals);
-}
-
 /// Shapes that a placement describes completely.
 template <ShapePtr (*Make)(const Transform&, bool)>
 ShapePtr makePlaced(const Element& element, LoadContext& context) {
@@ -121,6 +108,8 @@ constexpr Plugin kPlugins[] = {
     {"mesh", makeMeshShape},
     {"bsplinecurve", makeBSplineCurve},
     {"linearcurve", makeLinearCurve},
+    {"hair", makeHair},
+    {"sdfgrid", makeDistanceShape},
 };
 constexpr const char* kGroup = "shapegroup";
 constexpr const char* kInstance = "instance";
@@ -135,6 +124,15 @@ ElementPtr onlyChild(const Element& element, const char* tag) {
         throw element.error(
             fmt::format("found {} children <{}>, expected one at most", children.size(), tag));
     return children.empty() ? nullptr : children.front();
+}
+
+/// Of several BSDFs the last one holds in 0.6.
+ElementPtr bsdfOf(const Element& element, LoadContext& context) {
+    if (!element.isLegacy()) return onlyChild(element, "bsdf");
+    const auto children = element.childrenOf("bsdf");
+    if (children.size() > 1)
+        context.warn(element, fmt::format("found {} children <bsdf>: the last one holds", children.size()));
+    return children.empty() ? nullptr : children.back();
 }
 
 /// A shape and the element of its BSDF, null for none.
@@ -177,7 +175,7 @@ std::vector<ShapePart> makeParts(const Element& element, const Plugin& plugin, L
         const auto hasName = [](const NamedChild& bsdf) { return !bsdf.name.empty(); };
         if (std::any_of(bsdfs.begin(), bsdfs.end(), hasName)) return objByMaterial(element, bsdfs, context);
     }
-    return {{plugin.make(element, context), onlyChild(element, "bsdf")}};
+    return {{plugin.make(element, context), bsdfOf(element, context)}};
 }
 
 const Plugin* findPlugin(const Element& element, LoadContext& context) {
@@ -217,6 +215,7 @@ std::vector<ShapePtr> makeShapes(const Element& element, LoadContext& context,
                                  std::vector<LightPtr>& lights) {
     const Plugin* plugin = findPlugin(element, context);
     if (!plugin) return {};
+    if (!element.isLegacy()) element.ignore("silhouette_sampling_weight");  // of derivatives
     if (leavesNoArea(element.transform("to_world", true))) {
         context.warn(element, "\"to_world\" flattens the shape to a line or a point: it is left out");
         return {};

@@ -104,12 +104,15 @@ Scales readLegacyScales(const Element& element, LoadContext& context) {
     }
     if (element.type != "sky") {
         const float radiusScale = element.number("sun_radius_scale", 1);
-        if (!(radiusScale > 0))
+        if (!(radiusScale >= 0))
             throw element.error(
-                fmt::format("\"sun_radius_scale\" is {}, expected a positive number (a sun without size is a "
-                            "\"directional\" emitter)",
-                            radiusScale));
+                fmt::format("\"sun_radius_scale\" is {}, expected a number of zero or more", radiusScale));
         s.aperture *= radiusScale;
+        if (radiusScale == 0 && element.type == "sunsky") {
+            // A disc in the sky it is, then; its flux does not depend on its size.
+            context.warn(element, "a sun without size in a sky has a hundredth of its size here");
+            s.aperture = kSunAperture / 100;
+        }
     }
     if (element.has("resolution")) {
         element.ignore("resolution");
@@ -142,7 +145,8 @@ LightPtr makeSunSkyLight(const Element& element, LoadContext& context) {
     if (!element.isLegacy() || element.type != "sun") p.albedo = readAlbedo(element, context);
     if (element.isLegacy()) p.stretch = element.number("stretch", 1);
     if (element.isLegacy() && element.boolean("extend", false))
-        throw element.error(*element.find("extend"), "a sky below the horizon is not supported, expected false");
+        throw element.error(*element.find("extend"),
+                            "a sky below the horizon is not supported, expected false");
     const Scales scales = element.isLegacy() ? readLegacyScales(element, context) : readScales(element);
     p.skyScale = scales.sky;
     p.sunAperture = scales.aperture;
@@ -154,6 +158,11 @@ LightPtr makeSunSkyLight(const Element& element, LoadContext& context) {
         if (element.isLegacy()) throw element.error(message + ", which the sky model does not cover");
         context.warn(element, message + ": the emitter is dark and left out, as in Mitsuba 3");
         return nullptr;
+    }
+    if (scales.sun > 0 && scales.aperture == 0) {  // 0.6: a directional light
+        const Rgb radiance = sunProfile(std::min(zenith, 0.5f * kPi), p.turbidity, 1).front();
+        const auto flux = static_cast<float>(scales.sun * solidAngle(kSunAperture));
+        return makeDirectionalLight({-p.sunDirection, radiance * flux});
     }
     if (scales.sun > 0) {
         // The disc's flux does not depend on its size.

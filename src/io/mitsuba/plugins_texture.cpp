@@ -9,6 +9,7 @@
 #include "scattering/textures/bitmap_texture.h"
 #include "scattering/textures/checkerboard.h"
 #include "scattering/textures/constant.h"
+#include "scattering/textures/lines.h"
 #include "scattering/textures/mesh_attribute.h"
 #include "scattering/textures/scaled.h"
 
@@ -121,20 +122,32 @@ TexturePtr nestedTexture(const Element& element, const Property& property, LoadC
     return makeTexture(*child, context, emission);
 }
 
-/// What the squares hold is known to the reader of the texture only, so that no range is imposed here.
+/// What a pattern holds is known to the reader of the texture only, so that no range is imposed here.
+TexturePtr patternColor(const Element& element, const std::string& name, float fallback, LoadContext& context,
+                        bool emission) {
+    const Property* property = element.find(name);
+    if (!property) return makeConstantTexture(Rgb(fallback));
+    const auto value =
+        constantColor(element, *property, emission ? emissionFromSpectrum : reflectanceFromSpectrum);
+    return value ? makeConstantTexture(*value) : nestedTexture(element, *property, context, emission);
+}
+
 TexturePtr checkerboard(const Element& element, LoadContext& context, bool emission) {
-    const auto color = [&](const std::string& name, float fallback) {
-        const Property* property = element.find(name);
-        if (!property) return makeConstantTexture(Rgb(fallback));
-        const auto value =
-            constantColor(element, *property, emission ? emissionFromSpectrum : reflectanceFromSpectrum);
-        return value ? makeConstantTexture(*value) : nestedTexture(element, *property, context, emission);
-    };
     CheckerboardParameters p;
-    p.color0 = color("color0", 0.4f);
-    p.color1 = color("color1", 0.2f);
+    p.color0 = patternColor(element, "color0", 0.4f, context, emission);
+    p.color1 = patternColor(element, "color1", 0.2f, context, emission);
     p.toUv = uvTransform(element);
     return makeCheckerboard(p);
+}
+
+/// 0.6: lines on a ground.
+TexturePtr lines(const Element& element, LoadContext& context, bool emission) {
+    LinesParameters p;
+    p.color0 = patternColor(element, "color0", 0.2f, context, emission);
+    p.color1 = patternColor(element, "color1", 0.4f, context, emission);
+    p.lineWidth = element.number("line_width", p.lineWidth);
+    p.toUv = uvTransform(element);
+    return makeLines(p);
 }
 
 /// 0.6: a nested texture times a number or a color.
@@ -162,7 +175,8 @@ TexturePtr fromSpectrum(const Element& element, bool emission) {
 }
 
 std::vector<std::string> knownTypes() {
-    std::vector<std::string> result = {"bitmap", "checkerboard", "mesh_attribute", "rawconstant", "scale"};
+    std::vector<std::string> result = {"bitmap",         "checkerboard", "gridtexture",
+                                       "mesh_attribute", "rawconstant",  "scale"};
     result.insert(result.end(), spectrumPluginNames().begin(), spectrumPluginNames().end());
     return result;
 }
@@ -188,6 +202,8 @@ TexturePtr makeTexture(const Element& element, LoadContext& context, bool emissi
         result = bitmap(element, context);
     } else if (element.type == "checkerboard") {
         result = checkerboard(element, context, emission);
+    } else if (element.type == "gridtexture" && element.isLegacy()) {
+        result = lines(element, context, emission);
     } else if (element.type == "mesh_attribute") {
         result = meshAttribute(element);
     } else if (element.type == "rawconstant") {

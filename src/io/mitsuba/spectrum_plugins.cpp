@@ -36,6 +36,8 @@ SpectrumValue irregular(const Element& element) {
 SpectrumValue uniform(const Element& element) {
     SpectrumValue spectrum;
     spectrum.values = {element.number("value", 1)};
+    for (const char* bound : {"wavelength_min", "wavelength_max"})
+        element.number(bound, 0);  // of no effect in RGB
     return spectrum;
 }
 

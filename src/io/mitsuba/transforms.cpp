@@ -34,6 +34,15 @@ Transform matrix(const std::string& text) {
     return Transform::fromRows(rows);
 }
 
+/// In 0.2 and 0.3 each of the points had three attributes.
+Transform lookAtOfNumbers(const Attributes& a) {
+    const auto vector = [&](const char* x, const char* y, const char* z) {
+        return Vec3d(parseWithinFloat(a[x]), parseWithinFloat(a[y]), parseWithinFloat(a[z]));
+    };
+    return Transform::lookAt(vector("ox", "oy", "oz"), vector("tx", "ty", "tz"),
+                             Vec3f(vector("ux", "uy", "uz")));
+}
+
 Transform lookAt(const Attributes& attributes) {
     const Vec3d origin = point("origin", attributes["origin"]),
                 target = point("target", attributes["target"]);
@@ -58,6 +67,9 @@ Transform operation(const Source& source, pugi::xml_node node, Parameters& param
         return Transform::rotate(Vec3f(components(attributes, 0)), parseNumber(attributes["angle"]));
     }
     if (tag == "matrix") return matrix(Attributes(source, node, parameters, {"value"})["value"]);
+    if (legacy && tag == "lookAt" && node.attribute("ox"))
+        return lookAtOfNumbers(
+            {source, node, parameters, {"ox", "oy", "oz", "tx", "ty", "tz", "ux", "uy", "uz"}});
     if (tag == "lookat" || (legacy && tag == "lookAt"))
         return lookAt({source, node, parameters, {"origin", "target"}, {"up"}});
     const std::string nearest = nearestName(tag, {"translate", "scale", "rotate", "matrix", "lookat"});

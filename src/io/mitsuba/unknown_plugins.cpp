@@ -11,25 +11,17 @@ struct Missing {
     const char* type;
     const char* nearest;
 };
-constexpr const char* kNoSpectra = "images are RGB, without polarization";
 constexpr Missing kMissing[] = {
     {"bsdf", "measured", "roughconductor, principled"},
     {"bsdf", "measured_polarized", "roughconductor; images are not polarized"},
-    {"bsdf", "polarizer", kNoSpectra},
-    {"bsdf", "retarder", kNoSpectra},
-    {"bsdf", "circular", kNoSpectra},
-    {"bsdf", "pplastic", "roughplastic, which is not polarized"},
     {"bsdf", "hair", "principled"},
     {"bsdf", "irawan", "diffuse with a bitmap"},
     {"bsdf", "hk", "difftrans, or a medium between two surfaces"},
-    {"shape", "sdfgrid", "a mesh of the surface"},
     {"shape", "ellipsoids", "sphere"},
     {"shape", "ellipsoidsmesh", "a mesh"},
-    {"shape", "hair", "cylinder"},
     {"shape", "deformable", "a mesh; scenes do not move"},
     {"shape", "animatedinstance", "instance; scenes do not move"},
     {"texture", "volume", "bitmap"},
-    {"texture", "gridtexture", "checkerboard"},
     {"texture", "wireframe", "bitmap"},
     {"texture", "curvature", "mesh_attribute with values that another program has computed"},
     {"emitter", "timed_sunsky", "sunsky"},

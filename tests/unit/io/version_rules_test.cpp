@@ -115,7 +115,7 @@ TEST(VersionRules, WarningsAreSaidOnce) {
 TEST(VersionRules, WhatMitsubaHasAndWeHaveNotIsNamed) {
     EXPECT_THAT(error(underSky(quad("<bsdf type=\"hk\"/>"), "0.6.0")),
                 AllOf(HasSubstr("Mitsuba's BSDF \"hk\" is not supported"), HasSubstr("difftrans")));
-    EXPECT_THAT(error(underSky("<shape type=\"sdfgrid\"/>")), HasSubstr("Mitsuba's shape \"sdfgrid\""));
+    EXPECT_THAT(error(underSky("<shape type=\"ellipsoids\"/>")), HasSubstr("Mitsuba's shape \"ellipsoids\""));
     EXPECT_THAT(error(underSky("<emitter type=\"timed_sunsky\"/>")), HasSubstr("nearest: sunsky"));
     EXPECT_THAT(error(scene("<sensor type=\"radiancemeter\"/>")),
                 HasSubstr("Mitsuba's sensor \"radiancemeter\""));

@@ -174,12 +174,18 @@ class Loader {
         }
         for (const char* tag : {"film", "rfilter", "sampler"})
             for (const ElementPtr& element : scene_.root->childrenOf(tag))
-                if (!scene_.referenced.contains(element.get()))
-                    context_.warn(*element, "is part of no <sensor>: it has no effect");
+                if (!scene_.referenced.contains(element.get())) misplaced(*element);
         // How Mitsuba 3 traces rays.
         for (const char* name : {"embree_use_robust_intersections", "allow_thread_reordering"})
             if (!scene_.root->isLegacy()) scene_.root->ignore(name);
         scene_.root->checkAllUsed(context_.lenient, context_.warnings);
+    }
+
+    /// Mitsuba 3 passes over what a scene does not need, 0.6 over samplers only.
+    void misplaced(const Element& element) {
+        if (element.isLegacy() && element.tag != "sampler" && !context_.lenient)
+            throw element.error("found directly inside <scene>, expected inside of a <sensor> or its <film>");
+        context_.warn(element, "is part of no <sensor>: it has no effect");
     }
 
     bool isFragment_ = false;

@@ -159,7 +159,7 @@ LightPtr makeSunSkyLight(const Element& element, LoadContext& context) {
         context.warn(element, message + ": the emitter is dark and left out, as in Mitsuba 3");
         return nullptr;
     }
-    if (scales.sun > 0 && scales.aperture == 0) {  // 0.6: a directional light
+    if (scales.sun > 0 && scales.aperture == 0 && element.isLegacy()) {  // a directional light
         const Rgb radiance = sunProfile(std::min(zenith, 0.5f * kPi), p.turbidity, 1).front();
         const auto flux = static_cast<float>(scales.sun * solidAngle(kSunAperture));
         return makeDirectionalLight({-p.sunDirection, radiance * flux});

@@ -237,6 +237,9 @@ TEST(FoundScenes, WhatHasNoEffectIsRead) {
                 IsEmpty());
     EXPECT_THAT(load(R"(<shape type="sphere"/><sampler type="independent"/>)", "0.6.0").warnings,
                 ElementsAre(HasSubstr("part of no <sensor>")));
+    EXPECT_THAT(load(R"(<shape type="sphere"/><film type="hdrfilm"/>)").warnings,
+                ElementsAre(HasSubstr("part of no <sensor>")));
+    EXPECT_THAT(error(R"(<shape type="sphere"/><film type="hdrfilm"/>)", "0.6.0"), HasSubstr("<film"));
     expectGray(
         picture(quad(diffuse(R"(<spectrum name="reflectance" type="uniform"><float name="value" value="0.3"/>
 <float name="wavelength_min" value="400"/><float name="wavelength_max" value="700"/></spectrum>)"))),

@@ -315,7 +315,6 @@ const std::vector<Malformed> kPlugins = {
     {"emitter_in_bsdf",
      world("<bsdf type=\"diffuse\"><emitter type=\"area\"/></bsdf>"),
      {"scene.xml:4", "<emitter"}},
-    {"film_in_scene", world("<film type=\"hdrfilm\"/>"), {"scene.xml:4", "<film"}},
     {"point_light_in_shape", shape("<emitter type=\"point\"/>"), {"scene.xml:4"}},
     {"reference_of_wrong_kind",
      world("<bsdf type=\"twosided\"><ref id=\"s\"/></bsdf><shape type=\"sphere\" id=\"s\"/>"),

@@ -263,7 +263,7 @@ TEST(SunSkyLoader, errorsNameThePlace) {
     EXPECT_THAT(error("<emitter type=\"sky\"/>"), HasSubstr("\"sunsky\" with \"sun_scale\" 0"));
     EXPECT_THAT(error("<emitter type=\"sun\"/>"), HasSubstr("\"sunsky\" with \"sky_scale\" 0"));
     EXPECT_THAT(error("<emitter type=\"sunsy\"/>"), HasSubstr("\"sunsky\""));
-    EXPECT_THAT(error(legacy("sunsky", number("sunRadiusScale", 0)), "0.6.0"), HasSubstr("directional"));
+    EXPECT_THAT(error(legacy("sunsky", number("sunRadiusScale", -1)), "0.6.0"), HasSubstr("zero or more"));
     EXPECT_THAT(error(legacy("sky", number("stretch", 3)), "0.6.0"), HasSubstr("1 to 2"));
     EXPECT_THAT(error(legacy("sky", "<boolean name=\"extend\" value=\"true\"/>"), "0.6.0"),
                 HasSubstr("extend"));

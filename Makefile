@@ -142,7 +142,7 @@ soak: setup  ## random scenes through all integrators with sanitizers, SOAK_SECO
 	cmake --build --preset debug --target metrolux_soak
 	nice -n 10 build-debug/tools/soak/metrolux_soak --seconds $(SOAK_SECONDS) --report soak.json
 
-gallery: build  ## the pictures of the README
+gallery: build setup-python  ## the pictures of the README: an hour on one core
 	tools/gallery.sh
 
 study: build  ## all integrators on six hard scenes, as web pages in study/: more than an hour

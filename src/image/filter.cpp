@@ -136,6 +136,13 @@ float ReconstructionFilter::sample(int pixel, int size, float u, float& weight) 
     return std::clamp(static_cast<float>(x), 0.0f, static_cast<float>(size));
 }
 
+double ReconstructionFilter::squaredWeights() const {
+    double squares = 0;
+    for (const float h : table_) squares += sqr(double(h));
+    const double ofAxis = squares * 2 * radius_ / double(table_.size()) / sqr(signedCdf_.back());
+    return sqr(ofAxis);
+}
+
 float ReconstructionFilter::evaluate(int pixel, int size, float x) const {
     const float center = static_cast<float>(pixel) + 0.5f;
     const float scale = static_cast<float>(table_.size()) / (2 * radius_);

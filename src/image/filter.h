@@ -33,6 +33,9 @@ class ReconstructionFilter {
     /// h((x - (pixel + 0.5))) / integral of h over [0, size]: the weight of a splat at raster coordinate x
     /// for a pixel.
     float evaluate(int pixel, int size, float x) const;
+    /// Sum over all pixels of the squared weights of a splat, mean over its positions within a pixel: 1 for a
+    /// box of one pixel. Away from the border.
+    double squaredWeights() const;
 
   private:
     /// Part of the table that lies inside the image, in cells.

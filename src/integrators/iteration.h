@@ -73,7 +73,7 @@ struct LightSubpathIteration {
     /// it.
     double filmShare = 1;
     const PixelImportance* target = nullptr;  ///< of F(u); null: all pixels count alike
-    const PixelImportance* noise = nullptr;   ///< weighs squares, for the measured split; null: as F(u)
+    const PixelImportance* noise = nullptr;   ///< weighs squares; null: as F(u)
 };
 
 /// Traces independent light subpaths and adds them to the film, averaged over their number. Their vertices

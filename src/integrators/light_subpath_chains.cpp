@@ -20,8 +20,9 @@ struct LightSubpathModel {
     PhotonDensity* photons;
     std::vector<std::vector<Vec3f>>* trails;  ///< of each lane, may be null
     const ReplicaMixture& mix;
-    MixtureDensity* density;  ///< measured, if given
-    std::vector<Surprise>& surprises;
+    MixtureDensity* density;                      ///< measured, if given
+    std::vector<LightSubpathChains::Sums>& sums;  ///< of each lane
+    double squaresOfFilm = 1;                     ///< as PixelImportance::squares()
 
     void startUniform(PrimarySample&, CounterRng&, size_t, size_t) const {}
     using Evaluations = std::span<const Evaluation<LightSubpathContribution>>;
@@ -34,15 +35,15 @@ struct LightSubpathModel {
         evaluateTogether(pass, jobs, coherence);
         for (const auto& [stream, c] : evaluations) {
             c->size = sizeOf(c->splats, iteration.target);
-            c->squares = iteration.noise ? iteration.noise->squares(c->splats) : c->size * c->size;
+            c->squares =
+                iteration.noise ? iteration.noise->squares(c->splats, squaresOfFilm) : c->size * c->size;
         }
     }
     void pay(size_t lane, const LightSubpathContribution& c, double weight) const {
         film.addSplats(c.splats, weight, weight * iteration.filmShare);
-        if (density)
-            density->add(lane, weight, mix.uniformWeight(c.size), c.splats.shared,
-                         iteration.noise ? c.squares : 0);
-        surprises[lane] += weight * c.splats.surprise;
+        if (density) density->add(lane, weight, mix.uniformWeight(c.size), c.splats.shared);
+        sums[lane].surprise += weight * c.splats.surprise;
+        sums[lane].squares += weight * c.squares;
         if (trails) (*trails)[lane].insert((*trails)[lane].end(), c.trail.begin(), c.trail.end());
     }
 };
@@ -97,8 +98,9 @@ void LightSubpathChains::run(const LightSubpathPass& pass, Film& film, const Lig
                                   keepTrails ? &trails_ : nullptr,
                                   mix_,
                                   measureDensity ? &density_ : nullptr,
-                                  surprises_};
-    std::fill(surprises_.begin(), surprises_.end(), Surprise{});
+                                  sums_,
+                                  sqr(iteration.filmShare) * film.filter().squaredWeights()};
+    std::fill(sums_.begin(), sums_.end(), Sums{});
     lanes_.run(model, mix_, iteration.pass, iteration.first);
     if (photons && mix_.uniform > 0) photons->endIteration(mix_.uniform);
     lanes_.endIteration(squaredRadius_);
@@ -131,7 +133,13 @@ void LightSubpathChains::plainRun(const LightSubpathPass& pass, Film& film,
 
 Surprise LightSubpathChains::surprise() const {
     Surprise sum;
-    for (const Surprise& s : surprises_) sum += s;
+    for (const Sums& s : sums_) sum += s.surprise;
+    return sum;
+}
+
+double LightSubpathChains::squares() const {
+    double sum = 0;
+    for (const Sums& s : sums_) sum += s.squares;
     return sum;
 }
 

@@ -34,7 +34,7 @@ nlohmann::json replicaStatistics(const ReplicaSettings& settings, const ReplicaC
 class LightSubpathChains {
   public:
     explicit LightSubpathChains(const ReplicaSettings& settings)
-        : lanes_(settings), density_(lanes_.size()), trails_(lanes_.size()), surprises_(lanes_.size()) {}
+        : lanes_(settings), density_(lanes_.size()), trails_(lanes_.size()), sums_(lanes_.size()) {}
 
     /// Decides about the samples of the iteration to come, before its weights are known. Without `chains`:
     /// all are independent.
@@ -57,8 +57,15 @@ class LightSubpathChains {
     /// Whether density() is measured, and effectiveSamples() by it.
     bool measureDensity = false;
     const MixtureDensity& density() const { return density_; }
-    /// Sum of SplatList::surprise over the last iteration of chains, with the weights of its samples.
+    /// Means over independent light subpaths, from the last iteration of chains: of SplatList::surprise, and
+    /// of the squares that a given LightSubpathIteration::noise makes of the splats.
     Surprise surprise() const;
+    double squares() const;
+    /// Of a lane in an iteration, with the weights of its samples.
+    struct Sums {
+        Surprise surprise;
+        double squares = 0;
+    };
 
     /// Between two iterations.
     template <class Archive>
@@ -78,7 +85,7 @@ class LightSubpathChains {
     ReplicaLanes<LightSubpathContribution> lanes_;
     MixtureDensity density_;
     std::vector<std::vector<Vec3f>> trails_;  ///< of each lane
-    std::vector<Surprise> surprises_;         ///< of each lane
+    std::vector<Sums> sums_;                  ///< of each lane
     ReplicaMixture mix_;
     double squaredRadius_ = 0;
     bool boostKnown_ = false;  ///< b_V, and with it q, is known well enough for weights

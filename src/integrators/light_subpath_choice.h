@@ -15,7 +15,7 @@ enum class LightSubpaths : uint8_t { Chains, Independent, None };
 ///
 /// Judged by passes of chains, the first ones and a few each time that the number of passes has grown by a
 /// factor. Samples of chains say how noisy independent ones are even where those have found nothing yet
-/// (MixtureDensity::ofNoise()), and what eye subpaths miss (EyeTail); the converse fails: a trial of
+/// (LightSubpathNoise), and what eye subpaths miss (EyeTail); the converse fails: a trial of
 /// independent light subpaths, or of none, looks best before its first firefly. Where independent ones are
 /// better than chains and it is to be known whether none are better still, a few passes of them follow.
 class LightSubpathChoice {

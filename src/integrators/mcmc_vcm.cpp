@@ -1,6 +1,7 @@
 #include "integrators/description.h"
 #include "integrators/light_subpath_chains.h"
 #include "integrators/light_subpath_choice.h"
+#include "integrators/light_subpath_noise.h"
 #include "integrators/pass_noise.h"
 #include "integrators/resumable.h"
 
@@ -92,6 +93,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         weighByVariance(parameters.variance);
         if (choosing_ || relative() || parameters.replicas.split.measured)
             image_ = std::make_unique<OwnImage>(scene.camera().window());
+        if (choosing_) lightNoise_ = std::make_unique<LightSubpathNoise>(image_->sums().size());
         if (choice_.noneMayDo()) noise_ = std::make_unique<PassNoise>(image_->sums().size());
     }
 
@@ -100,6 +102,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         serializeIteration(archive);
         archive(chains_, choice_, surprise_, verdict_);
         if (image_) archive(*image_);
+        if (lightNoise_) archive(*lightNoise_);
         if (noise_) archive(*noise_);
     }
     nlohmann::json statistics() const override {
@@ -107,7 +110,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         j.update(iterationStatistics());
         j["light_subpaths"] = nameOf(lightSubpaths());
         j["boost"] = chains_.density().ofShared() / samples();
-        j["gain_of_chains"] = gainOfChains();
+        if (lightNoise_) j["gain_of_chains"] = lightNoise_->gain();
         if (noise_)
             j["eye_subpaths_alone"] = {{"noise", verdict_.aloneNoise},
                                        {"noise_with_light_subpaths", verdict_.noise},
@@ -142,13 +145,16 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         LightSubpathPass light = lightSubpathPass(strategies);
         LightSubpathIteration iteration{pass, first, pixels.size(), n / film.pixelCount()};
         if (relative()) iteration.target = &importance_;
-        if (parameters_.replicas.split.measured || judging()) iteration.noise = &importance_;
+        if (noiseIsWeighed()) iteration.noise = &noiseImportance_;
         TechniqueWork work;
         if (noise_ && noise_->open()) {
             light.work = &work;
             if (chains) light.tail = &noise_->tail();
         }
+        const bool judged = chains && judging() && chainsTakePart_;
+        if (judged) lightNoise_->beginIteration(film);
         chains_.run(light, film, iteration, photons_.get());
+        if (judged) lightNoise_->endIteration(film, chains_.squares(), n);
         if (noise_ && noise_->open()) {
             work_.add({eyes_.all().size(), work.splats, work.connections, work.merges});
             if (chains) surprise_ += chains_.surprise();
@@ -156,9 +162,12 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
     }
 
     void beginPass() {
-        if (relative() || parameters_.replicas.split.measured || judging()) importance_.update(*image_);
-        if (!noise_ || !chains_.ready() || !judging()) return;
-        noise_->begin(*eyeFactors_, importance_, static_cast<uint8_t>(lightSubpaths()), partition_.parts());
+        if (relative()) importance_.update(*image_, PixelImportance::kDarkestOfTarget);
+        if (noiseIsWeighed()) noiseImportance_.update(*image_, PixelImportance::kDarkestOfNoise);
+        chainsTakePart_ = chains_.ready();
+        if (!noise_ || !chainsTakePart_ || !judging()) return;
+        noise_->begin(*eyeFactors_, noiseImportance_, static_cast<uint8_t>(lightSubpaths()),
+                      partition_.parts());
         work_ = {};
         if (lightSubpaths() == LightSubpaths::Chains) surprise_ = {};
     }
@@ -166,13 +175,16 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         if (image_) image_->addPass(film);
         if (noise_) noise_->addEyes(*eyeFactors_);
         if (noise_ && noise_->open()) noise_->close(*image_, work_);
-        if (!choosing_ || !chains_.ready()) return;
-        choice_.endPass(gainOfChains(), [&] {
-            importance_.update(*image_);
-            verdict_ =
-                noise_->verdict(*image_, importance_, choice_.chosen() != LightSubpaths::None, surprise_);
+        if (!choosing_ || !chainsTakePart_) return;
+        const bool judgedChains = judging() && lightSubpaths() == LightSubpaths::Chains;
+        if (judgedChains) lightNoise_->endPass(noiseImportance_);
+        choice_.endPass(lightNoise_->gain(), [&] {
+            noiseImportance_.update(*image_, PixelImportance::kDarkestOfNoise);
+            verdict_ = noise_->verdict(*image_, noiseImportance_, choice_.chosen() != LightSubpaths::None,
+                                       surprise_);
             return verdict_.aloneWins();
         });
+        if (judgedChains && !(judging() && lightSubpaths() == LightSubpaths::Chains)) lightNoise_->end();
         if (!noise_ || judging()) return;
         noise_->end();
         if (choice_.halfWay()) noise_->noteHalf(*image_);
@@ -185,9 +197,10 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
 
     /// Light subpaths of an iteration.
     double samples() const { return double(partition_.pixels(0).size()); }
-    double gainOfChains() const { return chains_.density().ofNoise() / samples(); }
     LightSubpaths lightSubpaths() const { return choosing_ ? choice_.next() : LightSubpaths::Chains; }
     bool judging() const { return choosing_ && choice_.judging(); }
+    /// Whether the iterations of this pass weigh what their light subpaths add as noise.
+    bool noiseIsWeighed() const { return parameters_.replicas.split.measured || judging(); }
     bool relative() const { return parameters_.target == McmcVcmParameters::Target::Relative; }
     static const char* nameOf(LightSubpaths kind) {
         switch (kind) {
@@ -205,12 +218,15 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
     LightSubpathChains chains_;
     bool choosing_;
     LightSubpathChoice choice_;
-    std::unique_ptr<OwnImage> image_;   ///< null where nothing is decided by it
-    std::unique_ptr<PassNoise> noise_;  ///< null where there is no choice of none
-    PassNoise::Verdict verdict_;        ///< the last one
-    PassWork work_;                     ///< of the judged pass
-    Surprise surprise_;                 ///< of the last judged pass of chains
-    PixelImportance importance_;
+    bool chainsTakePart_ = false;                    ///< or may, in the pass under way
+    std::unique_ptr<OwnImage> image_;                ///< null where nothing is decided by it
+    std::unique_ptr<LightSubpathNoise> lightNoise_;  ///< null where nothing is chosen
+    std::unique_ptr<PassNoise> noise_;               ///< null where there is no choice of none
+    PassNoise::Verdict verdict_;                     ///< the last one
+    PassWork work_;                                  ///< of the judged pass
+    Surprise surprise_;                              ///< of the last judged pass of chains
+    PixelImportance importance_;                     ///< of the target
+    PixelImportance noiseImportance_;
 };
 
 }  // namespace

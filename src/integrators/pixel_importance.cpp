@@ -23,7 +23,7 @@ std::vector<double> boxBlur(const std::vector<double>& in, int length, int lines
 
 }  // namespace
 
-void PixelImportance::update(const OwnImage& image) {
+void PixelImportance::update(const OwnImage& image, double darkest) {
     window_ = image.window();
     const size_t n = image.sums().size();
     values_.assign(n, 1.0f);
@@ -39,34 +39,32 @@ void PixelImportance::update(const OwnImage& image) {
     shown = boxBlur(shown, window_.width, window_.height, 1, window_.width, kReach);
     shown = boxBlur(shown, window_.height, window_.width, window_.width, 1, kReach);
     double worth = 0;
-    for (const double s : shown) worth += s / (s + kDarkest * mean) / double(n);
+    for (const double s : shown) worth += s / (s + darkest * mean) / double(n);
     for (size_t i = 0; i < n; ++i)
-        values_[i] = static_cast<float>(mean / (worth * (shown[i] + kDarkest * mean)));
+        values_[i] = static_cast<float>(mean / (worth * (shown[i] + darkest * mean)));
 }
 
-template <class Of>
-double PixelImportance::sum(const SplatList& splats, Of&& of) const {
-    double sum = 0;
-    for (const SplatList::PixelSplat& s : splats.pixels)
-        sum += of(double(std::abs(luminance(s.value)) * values_[s.pixel]));
-    for (const SplatList::FilmSplat& s : splats.film) {
-        // The filter spreads splats from around the window too: the nearest pixel stands for those.
-        const int x = std::clamp(static_cast<int>(std::floor(s.position.x)) - window_.x, 0,
-                                 window_.width - 1),
-                  y = std::clamp(static_cast<int>(std::floor(s.position.y)) - window_.y, 0,
-                                 window_.height - 1);
-        sum +=
-            of(double(std::abs(luminance(s.value)) * values_[size_t(y) * size_t(window_.width) + size_t(x)]));
-    }
-    return sum;
+double PixelImportance::sizeOf(const SplatList::FilmSplat& splat) const {
+    // The filter spreads splats from around the window too: the nearest pixel stands for those.
+    const int x =
+        std::clamp(static_cast<int>(std::floor(splat.position.x)) - window_.x, 0, window_.width - 1);
+    const int y =
+        std::clamp(static_cast<int>(std::floor(splat.position.y)) - window_.y, 0, window_.height - 1);
+    return double(std::abs(luminance(splat.value)) * values_[size_t(y) * size_t(window_.width) + size_t(x)]);
 }
 
 double PixelImportance::size(const SplatList& splats) const {
-    return sum(splats, [](double x) { return x; });
+    double sum = 0;
+    for (const SplatList::PixelSplat& splat : splats.pixels) sum += sizeOf(splat);
+    for (const SplatList::FilmSplat& splat : splats.film) sum += sizeOf(splat);
+    return sum;
 }
 
-double PixelImportance::squares(const SplatList& splats) const {
-    return sum(splats, [](double x) { return x * x; });
+double PixelImportance::squares(const SplatList& splats, double ofFilm) const {
+    double sum = 0;
+    for (const SplatList::PixelSplat& splat : splats.pixels) sum += sqr(sizeOf(splat));
+    for (const SplatList::FilmSplat& splat : splats.film) sum += ofFilm * sqr(sizeOf(splat));
+    return sum;
 }
 
 }  // namespace metrolux::core

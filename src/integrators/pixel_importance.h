@@ -13,24 +13,30 @@ class PixelImportance {
     /// From the mean of the passes so far (all alike before the first), smoothed over kReach pixels to either
     /// side, since noise in it would draw chains away from what they have just found. On average a luminance
     /// is multiplied by one: F keeps its scale.
-    void update(const OwnImage& image);
+    /// A pixel is not worth more than one of the share `darkest` of the image's mean luminance.
+    void update(const OwnImage& image, double darkest);
+    /// For a target: what is dim is not worth all chains.
+    static constexpr double kDarkestOfTarget = 0.1;
+    /// For noise, which is compared as relMSE is.
+    static constexpr double kDarkestOfNoise = 0.02;
 
     /// Of a pixel, an index in the window.
     float of(size_t pixel) const { return values_[pixel]; }
     /// Sum over the splats of luminance times importance: F(u) of docs/explain/algorithm.md section 3 with
     /// this target.
     double size(const SplatList& splats) const;
-    /// Sum of the squares of the same: the noise that they bring in relative terms.
-    double squares(const SplatList& splats) const;
+    /// Sum of the squares of the same: the noise that they bring in relative terms. `ofFilm`: of film splats,
+    /// a square of one such splat leaves this much in the pixels.
+    double squares(const SplatList& splats, double ofFilm) const;
 
   private:
     static constexpr int kReach = 2;
-    /// A pixel is not worth more than one of this share of the image's mean luminance.
-    static constexpr double kDarkest = 0.1;
 
-    /// Adds up what `of` makes of each splat's luminance times importance.
-    template <class Of>
-    double sum(const SplatList& splats, Of&& of) const;
+    /// Luminance times importance.
+    double sizeOf(const SplatList::PixelSplat& splat) const {
+        return double(std::abs(luminance(splat.value)) * values_[splat.pixel]);
+    }
+    double sizeOf(const SplatList::FilmSplat& splat) const;
 
     FilmWindow window_;
     std::vector<float> values_;

@@ -18,14 +18,11 @@ class MixtureDensity {
   public:
     explicit MixtureDensity(size_t lanes) : current_(lanes) {}
 
-    /// A sample of a lane has been paid with `weight`; W is its weight as a uniform sample. `shared` and
-    /// `squares` are those of its value, of any scale.
-    void add(size_t lane, double weight, double W, double shared, double squares) {
-        Sums& s = current_[lane];
-        s[0] += weight * shared;
-        s[1] += weight * W * shared;
-        s[2] += weight * squares;
-        s[3] += weight * W * squares;
+    /// A sample of a lane has been paid with `weight`; W is its weight as a uniform sample. `shared` is that
+    /// of its value, of any scale.
+    void add(size_t lane, double weight, double W, double shared) {
+        current_[lane][0] += weight * shared;
+        current_[lane][1] += weight * W * shared;
     }
     void endIteration() {
         constexpr double kMemory = 0.9;
@@ -37,9 +34,6 @@ class MixtureDensity {
     /// Harmonic mean of the number of independent samples that the mixture is as dense as, over what is
     /// shared with eye subpaths. 0 before it is known.
     double ofShared() const { return sums_[1] > 0 ? sums_[0] / sums_[1] : 0; }
-    /// The same over squared contributions: as many independent samples would make the same noise. 0 before
-    /// it is known.
-    double ofNoise() const { return sums_[3] > 0 ? sums_[2] / sums_[3] : 0; }
 
     /// Between two iterations.
     template <class Archive>
@@ -48,7 +42,7 @@ class MixtureDensity {
     }
 
   private:
-    using Sums = std::array<double, 4>;
+    using Sums = std::array<double, 2>;
     std::vector<Sums> current_;
     Sums sums_{};
 };

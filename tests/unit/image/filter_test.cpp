@@ -143,5 +143,17 @@ TEST(Filter, ExtremeUniformNumbersStayInTheImage) {
     }
 }
 
+TEST(ReconstructionFilter, SquaredWeightsAreTheSumsOverPixelsMeanOverPositions) {
+    for (const auto& [name, kind] : filterNames()) {
+        const ReconstructionFilter filter(kind, {});
+        constexpr int kSize = 64, kSteps = 512;
+        double sum = 0;
+        for (int i = 0; i < kSteps; ++i)
+            for (int pixel = 0; pixel < kSize; ++pixel)
+                sum += sqr(double(filter.evaluate(pixel, kSize, 32 + (float(i) + 0.5f) / kSteps)));
+        EXPECT_NEAR(filter.squaredWeights() / sqr(sum / kSteps), 1, 1e-3) << name;
+    }
+}
+
 }  // namespace
 }  // namespace metrolux::core

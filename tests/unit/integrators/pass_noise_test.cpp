@@ -35,14 +35,14 @@ struct Passes {
     }
     void judge(int passes, float spread, float eyeSpread) {
         for (int i = 0; i < passes; ++i) {
-            importance.update(image);
+            importance.update(image, PixelImportance::kDarkestOfTarget);
             noise.begin(eyes, importance, 0, 1);
             add(spread, eyeSpread);
             noise.close(image, {1000, 1000, 0, 0});
         }
     }
     PassNoise::Verdict verdict(bool uniform = true, const Surprise& surprise = {}) {
-        importance.update(image);
+        importance.update(image, PixelImportance::kDarkestOfTarget);
         return noise.verdict(image, importance, uniform, surprise);
     }
 };
@@ -79,7 +79,7 @@ TEST(PassNoise, LeavesOutTheWorstPixels) {
     Passes p;
     p.judge(4, 0.1f, 0.2f);
     // Three of 3072 pixels are far off in a fifth pass.
-    p.importance.update(p.image);
+    p.importance.update(p.image, PixelImportance::kDarkestOfTarget);
     p.noise.begin(p.eyes, p.importance, 0, 1);
     for (const uint32_t i : {700u, 1400u, 2100u}) p.film.addEye(i, Rgb(100.0f));
     p.add(0.1f, 0.2f);

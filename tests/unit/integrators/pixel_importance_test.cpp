@@ -29,13 +29,13 @@ SplatList pixelSplat(int x, int y, float value) {
 
 TEST(PixelImportance, BeforeTheFirstPassIsLuminance) {
     PixelImportance importance;
-    importance.update(OwnImage(kWindow));
+    importance.update(OwnImage(kWindow), PixelImportance::kDarkestOfTarget);
     EXPECT_FLOAT_EQ(importance.size(pixelSplat(3, 3, 7)), 7);
 }
 
 TEST(PixelImportance, IsRelativeToTheImageAndKeepsTheScale) {
     PixelImportance importance;
-    importance.update(halves());
+    importance.update(halves(), PixelImportance::kDarkestOfTarget);
     // Mean 5, so that 0.5 is added to what is shown.
     const double left = importance.size(pixelSplat(5, 10, 1)), right = importance.size(pixelSplat(35, 10, 1));
     EXPECT_NEAR(left / right, 9.5 / 1.5, 1e-4);
@@ -44,7 +44,7 @@ TEST(PixelImportance, IsRelativeToTheImageAndKeepsTheScale) {
 
 TEST(PixelImportance, OfFilmSplatsIsThatOfTheNearestPixel) {
     PixelImportance importance;
-    importance.update(halves());
+    importance.update(halves(), PixelImportance::kDarkestOfTarget);
     const auto at = [&](float x, float y) {
         SplatList s;
         s.film.push_back({{x, y}, Rgb(2.0f)});
@@ -59,7 +59,7 @@ TEST(PixelImportance, OfABlackImageIsLuminance) {
     OwnImage image(kWindow);
     image.addPass(Film(kWindow, box()));
     PixelImportance importance;
-    importance.update(image);
+    importance.update(image, PixelImportance::kDarkestOfTarget);
     EXPECT_FLOAT_EQ(importance.size(pixelSplat(3, 3, 7)), 7);
 }
 

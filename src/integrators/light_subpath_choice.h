@@ -17,7 +17,7 @@ enum class LightSubpaths : uint8_t { Chains, Independent, None };
 /// factor. Samples of chains say how noisy independent ones are even where those have found nothing yet
 /// (LightSubpathNoise), and what eye subpaths miss (EyeTail); the converse fails: a trial of
 /// independent light subpaths, or of none, looks best before its first firefly. Where independent ones are
-/// better than chains and it is to be known whether none are better still, a few passes of them follow.
+/// better than chains and it is not clear yet whether none are better still, a few passes of them follow.
 class LightSubpathChoice {
   public:
     /// `noneMayDo`: whether eye subpaths can find all light by themselves.
@@ -44,29 +44,35 @@ class LightSubpathChoice {
     bool halfWay() const { return !judging() && passes_ == std::max(nextTrial_ / 2, settledAt_); }
 
     /// A pass has been made. `gain`: the noise of as many independent light subpaths over that of the chains;
-    /// `noneWins()`: whether eye subpaths alone make less noise in the same time than the judged passes. It
-    /// is called where they are all made.
-    template <class NoneWins>
-    void endPass(double gain, NoneWins&& noneWins) {
+    /// `lossOfNone()`: the noise of eye subpaths alone over that of the judged passes in the same time, by
+    /// which none are chosen below 1. It is called where those are all made.
+    template <class LossOfNone>
+    void endPass(double gain, LossOfNone&& lossOfNone) {
         ++passes_;
         if (phase_ == Phase::Settled) {
             if (passes_ >= nextTrial_) phase_ = Phase::OfChains, left_ = kTrial;
             return;
         }
         if (--left_ > 0) return;
+        double loss = noneMayDo_ ? lossOfNone() : 1;
         if (phase_ == Phase::OfChains) {
             better_ = gain < 1 ? LightSubpaths::Independent : LightSubpaths::Chains;
             if (noneMayDo_ && better_ == LightSubpaths::Independent) {
-                phase_ = Phase::OfIndependent;
-                left_ = kTrial;
-                return;
+                // Independent ones make at least this share of the noise of the chains.
+                loss /= gain;
+                if (loss >= 1) {
+                    phase_ = Phase::OfIndependent;
+                    left_ = kTrial;
+                    return;
+                }
             }
         }
-        chosen_ = noneMayDo_ && noneWins() ? LightSubpaths::None : better_;
+        chosen_ = noneMayDo_ && loss < 1 ? LightSubpaths::None : better_;
         phase_ = Phase::Settled;
         settledAt_ = passes_;
         // Passes with light subpaths cost several times as much as those without.
         while (nextTrial_ <= passes_) nextTrial_ *= chosen_ == LightSubpaths::None ? 4 : 2;
+        if (loss < kClear) nextTrial_ = std::max(nextTrial_, 8 * passes_);
     }
 
     template <class Archive>
@@ -80,6 +86,7 @@ class LightSubpathChoice {
   private:
     enum class Phase : uint8_t { OfChains, OfIndependent, Settled };
     static constexpr uint64_t kFirst = 4, kFirstTrial = 16, kTrial = 2;
+    static constexpr double kClear = 0.7;  ///< a loss of none that a second look is not likely to change
     bool noneMayDo_;
     uint64_t passes_ = 0;
     uint64_t nextTrial_ = kFirstTrial;

@@ -182,7 +182,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
             noiseImportance_.update(*image_, PixelImportance::kDarkestOfNoise);
             verdict_ = noise_->verdict(*image_, noiseImportance_, choice_.chosen() != LightSubpaths::None,
                                        surprise_);
-            return verdict_.aloneWins();
+            return verdict_.lossOfAlone();
         });
         if (judgedChains && !(judging() && lightSubpaths() == LightSubpaths::Chains)) lightNoise_->end();
         if (!noise_ || judging()) return;

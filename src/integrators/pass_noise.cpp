@@ -106,9 +106,11 @@ void PassNoise::end() {
     last_ = squares_ = eyeSquares_ = {};
 }
 
-bool PassNoise::Verdict::aloneWins() const {
-    return eyeShare * aloneNoise < kAtMost * noise &&
-           eyeShare * (aloneAllNoise + surprise.alone) < kAtMostAll * (allNoise + surprise.together);
+double PassNoise::Verdict::lossOfAlone() const {
+    if (!(noise > 0)) return 1;
+    return std::max(
+        eyeShare * aloneNoise / (kAtMost * noise),
+        eyeShare * (aloneAllNoise + surprise.alone) / (kAtMostAll * (allNoise + surprise.together)));
 }
 
 PassNoise::Verdict PassNoise::verdict(const OwnImage& image, const PixelImportance& importance, bool uniform,

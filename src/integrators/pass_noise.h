@@ -49,8 +49,9 @@ class PassNoise {
         double allNoise = 0, aloneAllNoise = 0;  ///< with them
         Surprise surprise;                       ///< what these lack, because no eye subpath has met it yet
         double eyeShare = 1;                     ///< PassWork::eyeShare()
-        /// Whether eye subpaths alone make a better image in the same time.
-        bool aloneWins() const;
+        /// Of eye subpaths alone in the same time, over what they may at most have to be chosen. 1 before it
+        /// is known.
+        double lossOfAlone() const;
         template <class Archive>
         void serialize(Archive& archive) {
             archive(noise, aloneNoise, allNoise, aloneAllNoise, surprise, eyeShare);

@@ -93,15 +93,15 @@ TEST(PassNoise, EyeSubpathsAloneWinByNoiseTimesWork) {
     v.noise = v.allNoise = 1;
     v.aloneNoise = v.aloneAllNoise = 2;
     v.eyeShare = 0.4;
-    EXPECT_TRUE(v.aloneWins());
+    EXPECT_LT(v.lossOfAlone(), 1);
     v.eyeShare = 0.7;
-    EXPECT_FALSE(v.aloneWins());
+    EXPECT_GT(v.lossOfAlone(), 1);
     v.eyeShare = 0.4;
     v.surprise = {4, 0};  // noise that they have not met yet
-    EXPECT_FALSE(v.aloneWins());
+    EXPECT_GT(v.lossOfAlone(), 1);
     v.surprise = {4, 3};  // and that light subpaths do not take away
-    EXPECT_TRUE(v.aloneWins());
-    EXPECT_FALSE(PassNoise::Verdict{}.aloneWins()) << "nothing is known";
+    EXPECT_LT(v.lossOfAlone(), 1);
+    EXPECT_EQ(PassNoise::Verdict{}.lossOfAlone(), 1) << "nothing is known";
 }
 
 TEST(PassWork, EyeSubpathsHaveLessOfAPassTheMoreLightSubpathsDo) {

@@ -3,6 +3,7 @@
 #include "image/image_io.h"
 #include "io/mitsuba/choice.h"
 #include "io/mitsuba/context.h"
+#include "io/mitsuba/pattern_textures.h"
 #include "io/mitsuba/spectrum.h"
 #include "io/mitsuba/spectrum_plugins.h"
 #include "io/mitsuba/unknown_plugins.h"
@@ -122,16 +123,6 @@ TexturePtr nestedTexture(const Element& element, const Property& property, LoadC
     return makeTexture(*child, context, emission);
 }
 
-/// What a pattern holds is known to the reader of the texture only, so that no range is imposed here.
-TexturePtr patternColor(const Element& element, const std::string& name, float fallback, LoadContext& context,
-                        bool emission) {
-    const Property* property = element.find(name);
-    if (!property) return makeConstantTexture(Rgb(fallback));
-    const auto value =
-        constantColor(element, *property, emission ? emissionFromSpectrum : reflectanceFromSpectrum);
-    return value ? makeConstantTexture(*value) : nestedTexture(element, *property, context, emission);
-}
-
 TexturePtr checkerboard(const Element& element, LoadContext& context, bool emission) {
     CheckerboardParameters p;
     p.color0 = patternColor(element, "color0", 0.4f, context, emission);
@@ -174,10 +165,16 @@ TexturePtr fromSpectrum(const Element& element, bool emission) {
     return makeConstantTexture(emission ? emissionFromSpectrum(spectrum) : reflectanceFromSpectrum(spectrum));
 }
 
+bool isPattern(const std::string& type) {
+    const auto& names = patternTextureNames();
+    return std::find(names.begin(), names.end(), type) != names.end();
+}
+
 std::vector<std::string> knownTypes() {
     std::vector<std::string> result = {"bitmap",         "checkerboard", "gridtexture",
                                        "mesh_attribute", "rawconstant",  "scale"};
-    result.insert(result.end(), spectrumPluginNames().begin(), spectrumPluginNames().end());
+    for (const auto* names : {&spectrumPluginNames(), &patternTextureNames()})
+        result.insert(result.end(), names->begin(), names->end());
     return result;
 }
 
@@ -192,6 +189,15 @@ std::optional<Rgb> constantColor(const Element& element, const Property& propert
     if (const SpectrumValue* v = std::get_if<SpectrumValue>(&property.value)) return convert(*v);
     if (std::holds_alternative<ElementPtr>(property.value)) return std::nullopt;
     throw element.error(property, "expected a number, an <rgb>, a <spectrum> or a <texture>");
+}
+
+TexturePtr patternColor(const Element& element, const std::string& name, float fallback, LoadContext& context,
+                        bool emission) {
+    const Property* property = element.find(name);
+    if (!property) return makeConstantTexture(Rgb(fallback));
+    const auto value =
+        constantColor(element, *property, emission ? emissionFromSpectrum : reflectanceFromSpectrum);
+    return value ? makeConstantTexture(*value) : nestedTexture(element, *property, context, emission);
 }
 
 TexturePtr makeTexture(const Element& element, LoadContext& context, bool emission) {
@@ -212,6 +218,8 @@ TexturePtr makeTexture(const Element& element, LoadContext& context, bool emissi
         result = scaled(element, context, emission);
     } else if (isSpectrumPlugin(element.type)) {
         result = fromSpectrum(element, emission);
+    } else if (isPattern(element.type) && !emission) {
+        result = makePatternTexture(element, context);
     } else {
         const std::string message = unknownPlugin(element, "texture", knownTypes());
         if (!context.lenient) throw element.error(message);

@@ -240,7 +240,7 @@ class SceneReader {
     void texture(const Token& t) {
         const std::string name = lexer_.text(t), type = lexer_.text(t), kind = lexer_.text(t);
         textures_.define(name, type, kind, parameters(t, fmt::format("Texture \"{}\"", name), "texture"),
-                         state_.space);
+                         state_.space, settledMap(state_.place.map));
     }
     void makeNamedMedium(const Token& t) {
         const std::string name = lexer_.text(t);

@@ -1,6 +1,6 @@
 #pragma once
-/// Textures of pbrt as values that can be computed with: a constant, an image under a map of uv, or a
-/// checkerboard of two others.
+/// Textures of pbrt as values that can be computed with: a constant, an image, a choice between two others,
+/// or noise in space. What cannot be computed when the scene is read is a product or a sum of two.
 
 #include "io/mitsuba/maker.h"
 #include "io/pbrt/spectra.h"
@@ -8,22 +8,39 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 
 namespace metrolux::core::pbrt {
+
+/// How uv are found: those of the surface, or by the position of the point.
+struct Mapping {
+    std::string kind = "uv";   ///< or spherical, cylindrical, planar
+    Transform toTexture = {};  ///< from the world
+    Transform toUv = {};       ///< of what is found
+};
+bool operator==(const Mapping& a, const Mapping& b);
 
 class Texture {
   public:
     explicit Texture(const Rgb& constant) : constant_(constant) {}
 
-    /// Throws Error where checkerboards are nested too deep: each doubles what there is to say.
-    static Texture checkerboard(Texture even, Texture odd, const Transform& toUv, const Location& where);
+    /// Two in turn: squares of uv, cubes in space (`kind` "cubes"), or discs on a ground ("discs"). Throws
+    /// Error where they are nested too deep: each doubles what there is to say.
+    static Texture choice(const char* kind, Texture first, Texture second, const Mapping& mapping,
+                          const Location& where);
+    /// Noise: `element` has its numbers, `colors` are what its values are looked up in.
+    struct Noise {
+        mitsuba::ElementPtr element;
+        std::vector<Rgb> colors;
+    };
+    static Texture noise(Noise noise, const Location& where);
     struct Image {
         int width = 0, height = 0;
         std::shared_ptr<const std::vector<float>> pixels;  ///< three for each, rows from the top
         std::string wrap = "repeat";
         bool nearest = false;
     };
-    static Texture image(Image image, const Transform& toUv, const Location& where);
+    static Texture image(Image image, const Mapping& mapping, const Location& where);
 
     bool isConstant() const { return kind_ == Kind::Constant; }
     /// The color of a constant.
@@ -31,25 +48,32 @@ class Texture {
     /// Of all colors that it has: the largest in each channel.
     Rgb largest() const;
     Rgb mean() const;
-    /// With `change` applied to each color.
+    /// With `change` applied to each color. Throws Error for products and sums of what is mapped in different
+    /// ways.
     Texture changed(const std::function<Rgb(const Rgb&)>& change, MemoryBudget& memory) const;
-    /// f(a, b) everywhere. Throws Error for images that lie on the surface in different ways.
-    static Texture combined(const Texture& a, const Texture& b,
-                            const std::function<Rgb(const Rgb&, const Rgb&)>& f, MemoryBudget& memory);
+    enum class Operation { Product, Sum };
+    static Texture combined(const Texture& a, const Texture& b, Operation operation, MemoryBudget& memory);
     /// Adds it to an element as the value `name`: as a color, or as a number.
     void addTo(mitsuba::Maker& element, const std::string& name, bool asNumber) const;
     mitsuba::ElementPtr element(bool asNumber) const;
 
   private:
-    enum class Kind { Constant, Image, Checkerboard };
+    enum class Kind { Constant, Image, Choice, Noise, Combination };
     Rgb at(double u, double v) const;
+    static Texture later(const Texture& a, const Texture& b, Operation operation);
+    void requireDepth() const;
+    mitsuba::ElementPtr choiceElement(bool asNumber) const;
+    mitsuba::ElementPtr mapped(mitsuba::ElementPtr nested) const;
 
     Kind kind_ = Kind::Constant;
-    int depth_ = 0;  ///< of checkerboards within each other
+    int depth_ = 0;  ///< of choices and combinations within each other
     Rgb constant_{0.0f};
     Image image_;
-    std::shared_ptr<const Texture> even_, odd_;
-    Transform toUv_;
+    std::shared_ptr<const Texture> first_, second_;
+    std::string choice_;  ///< "squares", "cubes", "discs"
+    std::optional<Noise> noise_;
+    Operation operation_ = Operation::Product;
+    Mapping mapping_;
     Location where_;
 };
 
@@ -58,9 +82,9 @@ class Textures {
   public:
     explicit Textures(Reading& reading) : reading_(reading) {}
 
-    /// Texture "name" "type" "class".
+    /// Texture "name" "type" "class", under a map to the world.
     void define(const std::string& name, const std::string& type, const std::string& kind,
-                const Parameters& parameters, const ColorSpace& space);
+                const Parameters& parameters, const ColorSpace& space, const Transform& toWorld);
 
     // A parameter that may be a texture, or the fallback.
     Texture color(const Parameters& parameters, const std::string& name, const Rgb& fallback,
@@ -75,7 +99,11 @@ class Textures {
     Texture make(const std::string& kind, const Parameters& parameters, bool isColor,
                  const ColorSpace& space);
 
+    Mapping mappingOf(const Parameters& parameters) const;
+    Texture noise(const std::string& kind, const Parameters& parameters, bool isColor) const;
+
     Reading& reading_;
+    Transform toWorld_;  ///< of the texture that is being made
     std::map<std::string, Texture> textures_;
     std::map<std::pair<std::string, bool>, Texture::Image> images_;
 };

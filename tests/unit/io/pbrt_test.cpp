@@ -320,7 +320,7 @@ TEST(Pbrt, RefusalsNameTheirPlace) {
         {"NamedMaterial \"x\"", "found no material of the name \"x\""},
         {"Material \"diffuse\" \"texture reflectance\" \"t\" Shape \"sphere\"",
          "found no texture of the name \"t\""},
-        {"Texture \"t\" \"spectrum\" \"marble\"", "textures of the class \"marble\" are not supported"},
+        {"Texture \"t\" \"spectrum\" \"ptex\"", "textures of the class \"ptex\" are not supported"},
         {"MakeNamedMedium \"m\" \"string type\" \"cloud\"", "the medium \"cloud\" is not supported"},
         {"MediumInterface \"m\" \"\" Shape \"sphere\"", "found no medium of the name \"m\""},
         {"AttributeEnd", "found AttributeEnd without its beginning"},
@@ -343,7 +343,7 @@ TEST(Pbrt, LenientlyWhatIsUnknownHasAStandIn) {
     lenient.lenient = true;
     for (const char* text :
          {"Shape \"nurbs\" \"float width\" 1", "Material \"hair\" \"float eumelanin\" 1 Shape \"sphere\"",
-          "Texture \"t\" \"spectrum\" \"marble\" Material \"diffuse\" \"texture reflectance\" \"t\" Shape "
+          "Texture \"t\" \"spectrum\" \"ptex\" Material \"diffuse\" \"texture reflectance\" \"t\" Shape "
           "\"disk\"",
           "Shape \"sphere\" \"float what\" 1", "MakeNamedMedium \"m\" \"string type\" \"nanovdb\"",
           "AreaLightSource \"odd\" Shape \"sphere\""}) {

@@ -175,6 +175,7 @@ class Loader {
         for (const char* tag : {"film", "rfilter", "sampler"})
             for (const ElementPtr& element : scene_.root->childrenOf(tag))
                 if (!scene_.referenced.contains(element.get())) misplaced(*element);
+        scene_.root->childrenOf("subsurface");  // of shapes that refer to it
         // How Mitsuba 3 traces rays.
         for (const char* name : {"embree_use_robust_intersections", "allow_thread_reordering"})
             if (!scene_.root->isLegacy()) scene_.root->ignore(name);

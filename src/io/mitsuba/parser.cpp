@@ -147,10 +147,13 @@ class Parser {
             object(file, node, parent, "", depth + 1);
             return;
         }
+        if (tag == "subsurface" && file.isLegacy()) {
+            object(file, node, parent, "", depth + 1);
+            return;
+        }
         if (tag == "subsurface") {
-            const Error error = nodeError(file.source, node,
-                                          "approximations of subsurface scattering are not supported, "
-                                          "expected a medium inside of the shape");
+            const Error error =
+                nodeError(file.source, node, "is of 0.6, expected a medium inside of the shape");
             if (!lenient_) throw error;
             warnings_.push_back(std::string(error.what()) + "; left out");
             return;

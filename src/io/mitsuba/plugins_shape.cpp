@@ -9,6 +9,7 @@
 #include "io/mitsuba/media.h"
 #include "io/mitsuba/mesh_attributes.h"
 #include "io/mitsuba/round_shapes.h"
+#include "io/mitsuba/subsurface.h"
 #include "io/mitsuba/unknown_plugins.h"
 #include "io/mitsuba/world_origin.h"
 #include "scattering/diffuse.h"
@@ -220,12 +221,14 @@ std::vector<ShapePtr> makeShapes(const Element& element, LoadContext& context,
         context.warn(element, "\"to_world\" flattens the shape to a line or a point: it is left out");
         return {};
     }
-    const std::optional<MediumSides> media = mediumSidesOf(element, context);
+    std::optional<MediumSides> media = mediumSidesOf(element, context);
 
     const std::vector<ShapePart> parts = withLocation(element, [&] {
         context.memory.take(kShapeBytes, "the shape");
         return makeParts(element, *plugin, context);
     });
+    const auto subsurface = subsurfaceOf(element, parts.empty() ? nullptr : parts[0].bsdf, context);
+    if (subsurface) media = subsurface->media;
     const ElementPtr emitter = onlyChild(element, "emitter");
     std::vector<ShapePtr> result;
     for (const ShapePart& part : parts) {
@@ -235,6 +238,7 @@ std::vector<ShapePtr> makeShapes(const Element& element, LoadContext& context,
         shape.id =
             element.id.empty() ? fmt::format("{} at {}", element.type, element.location.str()) : element.id;
         shape.bsdf = part.bsdf ? makeBsdf(*part.bsdf, context) : usualBsdf(element, media, emitter, context);
+        if (subsurface) shape.bsdf = subsurface->boundary;
         if (part.bsdf) checkAttributes(*part.bsdf, shape, context);
         shape.media = media;
         if (media && emitter && part.bsdf && part.bsdf->type == "null")

@@ -47,6 +47,7 @@ constexpr Missing kMissing[] = {
     {"phase", "microflake", "isotropic or hg; scattering depends on the angle alone, not on orientation"},
     {"volume", "hgridvolume", "gridvolume"},
     {"volume", "volcache", "the volume in it"},
+    {"subsurface", "singlescatter", "dipole, or a medium in a dielectric"},
     {"film", "specfilm", "hdrfilm; images are RGB"},
 };
 

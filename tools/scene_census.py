@@ -4,7 +4,8 @@ and why. Needs nothing but Python 3.
 
 Usage: tools/scene_census.py [--metrolux FILE] [--lenient | --strict] [--timeout SECONDS] [--all] FOLDER...
 
-An XML file counts as a scene when its root element is <scene>. Of messages only the cause counts: places, ids and file
+An XML file counts as a scene when its root element is <scene>, a .pbrt file when it has a WorldBegin, and each .gltf and
+.glb file does. Of messages only the cause counts: places, ids and file
 names are left out. --all lists each file with its outcome. The exit status is 1 when something crashed or took too long.
 """
 
@@ -31,22 +32,31 @@ def scene_version(file):
     return version.group(1) if version else "none"
 
 
+def kind_of(file):
+    """The version of a scene of Mitsuba's, "pbrt" or "gltf"; None if the file is no scene."""
+    name = file.name.lower()
+    if name.endswith(".xml"):
+        return scene_version(file)
+    if name.endswith(".pbrt"):
+        return "pbrt" if b"WorldBegin" in file.read_bytes() else None
+    return "gltf" if name.endswith((".gltf", ".glb")) else None
+
+
 def find_scenes(folders):
     for folder in folders:
         for path, folders_below, names in os.walk(folder):
             folders_below.sort()
             for name in sorted(names):
                 file = pathlib.Path(path) / name
-                if name.endswith(".xml") and file.is_file():
-                    version = scene_version(file)
-                    if version is not None:
-                        yield file, version
+                version = kind_of(file) if file.is_file() else None
+                if version is not None:
+                    yield file, version
 
 
 def cause(message):
     """What a message is about, without where: the same for all scenes that have the same problem."""
     text = re.sub(r"^(metrolux|error)[^:]*: ", "", message)
-    text = re.sub(r"\S*\.xml(:\d+)?: ", "", text)
+    text = re.sub(r"\S*\.(xml|pbrt|gltf|glb)(:[\w.]+)?: ", "", text)
     text = re.sub(r' (id|name)="[^"]*"', "", text)
     text = re.sub(r"\(and \d+ more[^)]*\)|\(looked in: [^)]*\)|\(first at [^)]*\)", "", text)
     text = re.sub(r'"[^"]*[/\\.][^"]*"|\S*/\S+', "FILE", text)
@@ -94,7 +104,7 @@ def main():
     for file, version in find_scenes(arguments.folders):
         outcome, messages = try_scene(arguments.metrolux, file, options, arguments.timeout)
         outcomes[outcome] += 1
-        by_version[version.split(".")[0] + ".x" if version != "none" else version][outcome] += 1
+        by_version[version.split(".")[0] + ".x" if version[:1].isdigit() else version or "none"][outcome] += 1
         counts = warnings if outcome == "loads" else causes
         for text in {cause(message) for message in messages}:
             counts[text] += 1

@@ -10,8 +10,8 @@ namespace metrolux::core::mitsuba {
 namespace {
 
 constexpr int64_t kMaxPixels = int64_t(1) << 28;
-const std::vector<std::string> kSensorTypes = {"perspective", "thinlens", "orthographic", "spherical",
-                                               "fisheye"};
+const std::vector<std::string> kSensorTypes = {"perspective", "thinlens", "orthographic",
+                                               "spherical",   "fisheye",  "radiancemeter"};
 const std::vector<std::string> kFilmTypes = {"hdrfilm", "specfilm", "ldrfilm"};
 constexpr uint64_t kFilmPixelBytes = 128;  // allowance for what a Film keeps of one
 
@@ -230,7 +230,33 @@ CameraPtr makeWide(const Element& element, LoadContext& context, const FilmWindo
     return makeFisheyeCamera(p, element.number(angle, 180), window);
 }
 
+/// Radiance along one ray, as a picture of one pixel that sees next to nothing else.
+CameraPtr makeRadianceMeter(const Element& element, LoadContext& context, const FilmWindow& window) {
+    if (window.fullWidth != 1 || window.fullHeight != 1)
+        throw element.error(fmt::format("found an image of {} x {} pixels, expected a <film> of one",
+                                        window.fullWidth, window.fullHeight));
+    PerspectiveParameters p;
+    p.toWorld = context.toWorld(element);
+    const bool hasRay = element.has("origin") || element.has("direction");
+    if (hasRay && (!element.has("origin") || !element.has("direction")))
+        throw element.error("found only one of \"origin\" and \"direction\", expected both");
+    if (hasRay && element.has("to_world"))
+        throw element.error("found \"to_world\" as well as \"origin\", expected one of the two");
+    if (hasRay) {
+        const Vec3d origin = element.point("origin", Vec3d(0.0)),
+                    direction = element.point("direction", Vec3d(0.0));
+        if (!(direction.length() > 0)) throw element.error("\"direction\" has no length");
+        const Vec3f up = std::abs(direction.y) < 0.9 * direction.length() ? Vec3f(0, 1, 0) : Vec3f(1, 0, 0);
+        p.toWorld = movedBy(-context.origin, Transform::lookAt(origin, origin + direction, up));
+    }
+    if (!isSimilarity(p.toWorld)) throw element.error("\"to_world\" of a camera may not scale or shear");
+    p.fov = 0.01f;
+    p.nearClip = 1e-4f;
+    return makePerspectiveCamera(p, window);
+}
+
 CameraPtr makeProjection(const Element& element, LoadContext& context, const FilmWindow& window) {
+    if (element.type == "radiancemeter") return makeRadianceMeter(element, context, window);
     if (element.type == "orthographic") return makeOrthographic(element, context, window);
     if (element.type == "spherical" || element.type == "fisheye") return makeWide(element, context, window);
     return makePerspective(element, context, window);

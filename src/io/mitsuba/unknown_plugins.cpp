@@ -31,7 +31,6 @@ constexpr Missing kMissing[] = {
     {"sensor", "distant", "orthographic"},
     {"sensor", "hdistant", "orthographic"},
     {"sensor", "mdistant", "orthographic"},
-    {"sensor", "radiancemeter", "perspective with a small fov"},
     {"sensor", "irradiancemeter", "fisheye"},
     {"sensor", "fluencemeter", "spherical"},
     {"sensor", "mpdistant", "orthographic"},

@@ -277,7 +277,7 @@ TEST(SensorPlugins, sphericalAndFisheye) {
     EXPECT_THAT(error(Builder("sensor", "spherical").with("fov", 90.0)), HasSubstr("\"fov\""));
     EXPECT_THAT(error(Builder("sensor", "irradiancemeter")),
                 HasSubstr("Mitsuba's sensor \"irradiancemeter\" is not supported; nearest: fisheye"));
-    EXPECT_THAT(error(Builder("sensor", "radiancemeter")), HasSubstr("nearest: perspective"));
+    EXPECT_THAT(error(Builder("sensor", "telecentric")), HasSubstr("nearest: orthographic"));
 }
 
 }  // namespace

@@ -253,6 +253,31 @@ TEST(FoundScenes, WhatHasNoEffectIsRead) {
         HasSubstr("\"filename\""));
 }
 
+TEST(FoundScenes, ARadianceMeterSeesOneRay) {
+    const TemporaryFolder folder;
+    const auto seen = [&](const std::string& parameters, const std::string& size = "1") {
+        const auto file = folder.write(
+            "scene.xml",
+            scene(R"(<integrator type="path"><integer name="max_depth" value="1"/></integrator>
+<sensor type="radiancemeter">)" +
+                  parameters + R"(<film type="hdrfilm"><integer name="width" value=")" + size + R"("/>
+<integer name="height" value="1"/><rfilter type="box"/></film></sensor>
+<shape type="sphere"><point name="center" x="5" y="0" z="0"/><float name="radius" value="0.01"/><emitter type="area"><float name="radiance"
+value="3"/></emitter></shape><emitter type="constant"><float name="radiance" value="0.25"/></emitter>)"));
+        return RenderableScene(file, {}).render("path", 16, 1).at(0);
+    };
+    const std::string origin = R"(<point name="origin" x="0" y="0" z="0"/>)";
+    EXPECT_NEAR(seen(origin + R"(<vector name="direction" x="2" y="0" z="0"/>)"), 3, 1e-3f);
+    EXPECT_NEAR(seen(origin + R"(<vector name="direction" x="2" y="0.01" z="0"/>)"), 0.25f, 1e-4f);
+    EXPECT_NEAR(
+        seen(R"(<transform name="to_world"><lookat origin="5,-3,0" target="5,0,0" up="0,0,1"/></transform>)"),
+        3, 1e-3f);
+    EXPECT_THAT(errorOf([&] { seen("", "2"); }), HasSubstr("expected a <film> of one"));
+    EXPECT_THAT(errorOf([&] { seen(origin); }), HasSubstr("expected both"));
+    EXPECT_THAT(errorOf([&] { seen(origin + R"(<vector name="direction" x="0" y="0" z="0"/>)"); }),
+                HasSubstr("no length"));
+}
+
 TEST(FoundScenes, LookAtOf03HasNineNumbers) {
     const TemporaryFolder folder;
     const auto file =

@@ -117,8 +117,8 @@ TEST(VersionRules, WhatMitsubaHasAndWeHaveNotIsNamed) {
                 AllOf(HasSubstr("Mitsuba's BSDF \"hk\" is not supported"), HasSubstr("difftrans")));
     EXPECT_THAT(error(underSky("<shape type=\"ellipsoids\"/>")), HasSubstr("Mitsuba's shape \"ellipsoids\""));
     EXPECT_THAT(error(underSky("<emitter type=\"timed_sunsky\"/>")), HasSubstr("nearest: sunsky"));
-    EXPECT_THAT(error(scene("<sensor type=\"radiancemeter\"/>")),
-                HasSubstr("Mitsuba's sensor \"radiancemeter\""));
+    EXPECT_THAT(error(scene("<sensor type=\"fluencemeter\"/>")),
+                HasSubstr("Mitsuba's sensor \"fluencemeter\""));
     EXPECT_THAT(error(scene("<sensor type=\"perspective\"><film type=\"specfilm\"/></sensor>")),
                 HasSubstr("Mitsuba's film \"specfilm\""));
 }

@@ -95,6 +95,11 @@ test-packages: packages  ## installs them in a fresh Debian and renders there, a
 	@command -v debootstrap >/dev/null && command -v qemu-x86_64 >/dev/null || $(call install,debootstrap qemu-user)
 	$(SUDO) tools/test_packages.sh build-package/packages
 
+# As root; not part of the suite.
+test-trixie:  ## builds and runs the quick tests in a debootstrap of Debian 13: Embree 4, GCC 14 (4 GB in build-debian13)
+	@command -v debootstrap >/dev/null || $(call install,debootstrap)
+	$(SUDO) tools/test_trixie.sh build-debian13
+
 viewer: setup setup-page  ## bundles the page of metrolux study, web/viewer.html, from web/src
 	cmake --preset release
 	cmake --build --preset release --target viewer

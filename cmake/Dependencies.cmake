@@ -1,7 +1,11 @@
 # All of them are Debian packages: see packages.txt.
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
-find_package(embree 3 REQUIRED)
+# src/geometry/embree_query.h takes the newer, too.
+find_package(embree 4 QUIET)
+if(NOT embree_FOUND)
+  find_package(embree 3 REQUIRED)
+endif()
 find_package(Imath REQUIRED)
 find_package(OpenEXR REQUIRED)
 find_package(PNG REQUIRED)
@@ -13,7 +17,7 @@ find_package(ZLIB REQUIRED)
 find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(nlohmann_json REQUIRED)
-find_package(Boost REQUIRED)
+find_package(Boost CONFIG REQUIRED)
 find_package(cereal REQUIRED)
 # Optional: without it, --slices is for one process and for `metrolux merge`.
 if(METROLUX_MPI)

@@ -9,8 +9,6 @@
 #include "geometry/triangle_pairs.h"
 #include "geometry/triangle_prefetch.h"
 
-#include <embree3/rtcore.h>
-
 #include <cstring>
 #include <mutex>
 #include <new>

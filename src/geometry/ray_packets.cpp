@@ -60,15 +60,13 @@ void intersectAll(RTCScene scene, Coherence coherence, RayBatch& batch, Ray* ana
     typename P::RayHits packet;
     initialize<N>(packet.ray);
     alignas(64) int valid[N];
-    QueryContext context;
-    rtcInitIntersectContext(&context.embree);
-    if (coherence == Coherence::High) context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    QueryContext context(coherence == Coherence::High);
     for (size_t first = 0; first < batch.size(); first += N) {
         const int count = static_cast<int>(std::min<size_t>(N, batch.size() - first));
         load<N>(&batch.rays[first], count, packet.ray, valid);
         for (int k = 0; k < N; ++k) packet.hit.geomID[k] = packet.hit.instID[0][k] = RTC_INVALID_GEOMETRY_ID;
         context.analyticRays = analyticRays ? analyticRays + first : nullptr;
-        P::intersect(valid, scene, &context.embree, &packet);
+        context.intersect(P::intersect, scene, packet, valid);
         for (int k = 0; k < count; ++k)
             batch.hits[first + k] = {packet.hit.geomID[k],
                                      packet.hit.primID[k],
@@ -84,11 +82,10 @@ void occludedAll(RTCScene scene, OcclusionBatch& batch) {
     initialize<N>(packet);
     alignas(64) int valid[N];
     QueryContext context;
-    rtcInitIntersectContext(&context.embree);
     for (size_t first = 0; first < batch.size(); first += N) {
         const int count = static_cast<int>(std::min<size_t>(N, batch.size() - first));
         load<N>(&batch.rays[first], count, packet, valid);
-        P::occluded(valid, scene, &context.embree, &packet);
+        context.occluded(P::occluded, scene, packet, valid);
         for (int k = 0; k < count; ++k) batch.blocked[first + k] = packet.tfar[k] < 0;
     }
 }

@@ -55,7 +55,7 @@ struct SessionOptions {
     std::optional<int> maxDepth;  ///< path edges, in place of the scene's limit; -1: no limit
     std::uint64_t memory =
         kDefaultMemory;               ///< bytes that an iteration may store; more of them a pass for less
-    std::vector<std::string> layers;  ///< of albedo, normal, depth, variance, alpha, denoised
+    std::vector<std::string> layers;  ///< names of docs/reference/layers.md
     Slices slices;
     int threads = 0;  ///< 0: one for each core
 };
@@ -114,7 +114,7 @@ struct Outcome {
 /// What a session leaves: pixels that are nobody else's.
 struct Picture {
     Image image;                          ///< (height, width, 3), linear Rec.709
-    std::map<std::string, Image> layers;  ///< that SessionOptions::layers names, (height, width, 3 or 1)
+    std::map<std::string, Image> layers;  ///< that SessionOptions::layers names
 };
 
 /// A rendering in progress. It owns its scene. Views of pixels stay where they are as long as the session
@@ -144,7 +144,7 @@ class METROLUX_API Session {
     /// Variance of the mean of each pixel's luminance, (height, width, 1). Too small where an integrator's
     /// passes are correlated, as those of chains are: Progress::relativeError holds there too.
     ImageView variance();
-    /// (height, width, 3 or 1) of one that SessionOptions::layers names. Throws Error for another.
+    /// (height, width, channels) of one that SessionOptions::layers names. Throws Error for another.
     ImageView layer(const std::string& name);
     /// Ends the session and hands over its buffers; nothing is copied, and no view of them remains.
     Picture finish() &&;

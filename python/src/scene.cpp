@@ -213,7 +213,7 @@ The same bits as those of `metrolux render` with the same arguments, on any numb
 Limits, of which the first that is reached counts: time in seconds of rendering, passes, error (estimated root of the
 mean squared relative error of the image). Without any: a minute.
 max_depth: most path edges, in place of the scene's limit; -1 for no limit. memory: bytes that an iteration may store.
-layers: of albedo, normal, depth, variance, alpha and denoised; image.layers has them, float32 (height, width, 3 or 1).
+layers: names of docs/reference/layers.md; image.layers has them, float32 (height, width, channels).
 slices, only_slices: as in `metrolux render`; parts are joined by merge().
 threads: 0 for one per core. progress: called with a Progress after each pass; False ends the rendering.
 output: one or several files, .exr or .png (through exposure, in stops, and curve, srgb or filmic), written every

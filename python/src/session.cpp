@@ -135,7 +135,7 @@ output, checkpoint and the rest are as in Scene.render(). Ctrl-C ends the pass i
 Too small where passes are correlated, as those of Markov chains are.)")
         .def_property_readonly(
             "layers", &layersIn,
-            "the session's layers by name, float32 (height, width, 3), of depth and variance 1")
+            "the session's layers by name, float32 (height, width, channels)")
         .def_property_readonly(
             "progress", [](PythonSession& s) { return s.use([](Session& own) { return own.progress(); }); },
             "a Progress")

@@ -196,7 +196,7 @@ ImageView Session::layer(const std::string& name) {
         std::copy(pixels.begin(), pixels.end(), impl_->denoised.begin());
         return {impl_->denoised.data(), film.height(), film.width(), 3};
     }
-    const auto* layers = impl_->workers.execute([this] { return &impl_->session->cameraLayers(); });
+    const auto* layers = impl_->workers.execute([this] { return &impl_->session->cameraLayers().layers; });
     const auto layer = std::find_if(layers->begin(), layers->end(),
                                     [&](const core::ImageLayer& l) { return l.name == name; });
     return {layer->pixels.data(), film.height(), film.width(), static_cast<int>(layer->channels.size())};

@@ -69,7 +69,7 @@ view::BoardInfo boardInfo(const RenderArguments& a) {
     info.scene = sceneName(a.scene);
     info.outputs = a.outputs;
     for (const std::string& name : a.session.layers)
-        if (name != "variance") info.layers.push_back(name);
+        if (isShown(aovFromName(name))) info.layers.push_back(name);
     return info;
 }
 

@@ -30,8 +30,10 @@ void addOutputOptions(CLI::App& app, RenderArguments& a) {
         ->option_text("srgb|filmic")
         ->check(CLI::IsMember({"srgb", "filmic"}))
         ->group(group);
-    app.add_option("--aov", a.session.layers,
-                   "Layers to add to EXR files, of albedo, normal, depth, variance, alpha, denoised")
+    app.add_option(
+           "--aov", a.session.layers,
+           "Layers to add to EXR files, of albedo, normal, depth, alpha, position, uv, object, material,\n"
+           "motion, crypto_object, crypto_material, variance, denoised")
         ->option_text("NAME,...")
         ->delimiter(',')
         ->allow_extra_args(false)

@@ -69,7 +69,8 @@ class Shape {
     }
 
     // Set by the loader.
-    std::string id;                        ///< name for messages
+    std::string id;                        ///< name for messages and mattes
+    std::string material;                  ///< the same of its BSDF
     std::shared_ptr<const Bsdf> bsdf;      ///< never null after loading
     std::shared_ptr<const Light> emitter;  ///< null unless the shape is an area light
     /// Nothing unless the surface bounds a medium: then the same is on both of its sides.

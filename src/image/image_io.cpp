@@ -175,7 +175,8 @@ std::vector<size_t> imageChannels(const std::vector<std::string>& names) {
 
 /// Name of a channel in the file.
 std::string channelName(const ImageLayer& layer, const std::string& channel) {
-    return layer.name == kAlphaLayer ? "A" : layer.name + "." + channel;
+    if (layer.name == kAlphaLayer) return "A";
+    return layer.name + (channel[0] >= '0' && channel[0] <= '9' ? "" : ".") + channel;
 }
 
 void checkImage(const ImageData& image, bool mayBeGray = false) {

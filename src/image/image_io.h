@@ -49,11 +49,12 @@ ImageData readImageBytes(const std::string& name, std::string_view bytes, bool r
 /// The layer whose only channel is that of the image: "A", coverage.
 inline constexpr const char* kAlphaLayer = "alpha";
 
-/// More channels of an EXR, named "name.channel".
+/// More channels of an EXR, named "name.channel", and those of cryptomattes "name00.R".
 struct ImageLayer {
-    std::string name;                   ///< "albedo"
-    std::vector<std::string> channels;  ///< "R", "G", "B"
-    std::vector<float> pixels;          ///< channels interleaved
+    std::string name;  ///< "albedo"
+    std::vector<std::string>
+        channels;               ///< "R", "G", "B"; of cryptomattes with the number of the rank, "00.R"
+    std::vector<float> pixels;  ///< channels interleaved
 };
 /// Row by row; points are rows that are multiplied from the left, as in OpenEXR.
 using Matrix = std::array<float, 16>;

@@ -15,19 +15,36 @@ enum class Aov {
     Depth,     ///< Z: distance along the camera ray in scene units, mean over the rays that hit something
     Variance,  ///< Y: variance of the mean of the luminance (Film::variance)
     Denoised,  ///< R, G, B: the image without its noise (render/denoiser.h)
-    Alpha      ///< A of the image itself: share of the rays that hit something; colors are not divided by it
+    Alpha,     ///< A of the image itself: share of the rays that hit something; colors are not divided by it
+    // Of the first surface on the ray through the middle of pixel and lens, since means of these mean
+    // nothing:
+    Position,       ///< X, Y, Z: in the coordinates of the scene's file
+    Uv,             ///< U, V
+    Object,         ///< X: number of the object, from 1 (attribute metrolux:objects); 0 where there is none
+    Material,       ///< X: number of the material, the same way (metrolux:materials)
+    Motion,         ///< X, Y: 0, as nothing moves
+    ObjectMattes,   ///< cryptomatte of the objects (render/mattes.h)
+    MaterialMattes  ///< cryptomatte of the materials
 };
 
 /// The name of Aov::Denoised. Files of a single picture show it where it is there.
 inline constexpr const char* kDenoisedLayer = "denoised";
 
-/// "albedo", "normal", "depth", "variance", "denoised", "alpha". Throws Error for another name.
+/// Throws Error for a name that none has.
 Aov aovFromName(const std::string& name);
+/// "albedo, normal, ...", for messages and descriptions.
+std::string aovNames();
+/// Whether the layer is a picture that people look at.
+bool isShown(Aov aov);
 
-/// Layers for albedo, normal, depth and alpha of those that are wanted, from kAovSamples jittered rays in the
-/// square of each pixel of the camera's window (no reconstruction filter). Where nothing is hit, they are
-/// zero.
-std::vector<ImageLayer> renderAovs(const Scene& scene, const std::vector<Aov>& wanted);
+struct CameraLayers {
+    std::vector<ImageLayer> layers;
+    Metadata attributes;  ///< that say what is in the layers
+};
+/// Those of the wanted ones that surfaces have which the camera sees first, without light. Means are those of
+/// kAovSamples jittered rays in the square of each pixel of the camera's window (no reconstruction filter).
+/// Where nothing is hit, layers are zero.
+CameraLayers renderAovs(const Scene& scene, const std::vector<Aov>& wanted);
 inline constexpr int kAovSamples = 16;
 
 /// The layer of Film::variance().

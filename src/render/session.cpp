@@ -134,7 +134,7 @@ void RenderSession::restore(Checkpoint checkpoint, bool otherBuild) {
     raysBefore_ = checkpoint.rays;
 }
 
-const std::vector<ImageLayer>& RenderSession::cameraLayers() {
+const CameraLayers& RenderSession::cameraLayers() {
     if (!cameraLayers_) {
         const double start = steadySeconds();
         cameraLayers_ = renderAovs(*scene_, options_.aovs);
@@ -145,7 +145,7 @@ const std::vector<ImageLayer>& RenderSession::cameraLayers() {
 
 std::vector<ImageLayer> RenderSession::takeCameraLayers() {
     cameraLayers();
-    std::vector<ImageLayer> result = *std::move(cameraLayers_);
+    std::vector<ImageLayer> result = std::move(cameraLayers_->layers);
     cameraLayers_.reset();
     return result;
 }
@@ -322,7 +322,7 @@ RenderedFrame RenderSession::frame(const Snapshot& now, Denoising denoising) {
     RenderedFrame frame;
     const PassReport& report = now.report;
     frame.image = {now.film.width(), now.film.height(), 3, now.film.image(), placeOf(now.film.window())};
-    frame.layers = cameraLayers();
+    frame.layers = cameraLayers().layers;
     for (Aov aov : options_.aovs)
         if (aov == Aov::Variance) frame.layers.push_back(varianceLayer(now.film));
     const FilmWindow& w = now.film.window();
@@ -342,6 +342,8 @@ RenderedFrame RenderSession::frame(const Snapshot& now, Denoising denoising) {
                                     fromFile(matrices->worldToCamera, scene_->parts().origin));
         frame.metadata.emplace_back("worldToNDC", fromFile(matrices->worldToNdc, scene_->parts().origin));
     }
+    const Metadata& ofLayers = cameraLayers().attributes;
+    frame.metadata.insert(frame.metadata.end(), ofLayers.begin(), ofLayers.end());
     if (denoises() && denoising == Denoising::Done) {
         features();
         const double start = steadySeconds();

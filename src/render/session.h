@@ -112,7 +112,7 @@ class RenderSession {
     /// The image with its layers and metadata. Denoised if options().aovs says so.
     RenderedFrame frame();
     /// Layers of the camera's first surfaces, of those that options().aovs names; rendered at the first call.
-    const std::vector<ImageLayer>& cameraLayers();
+    const CameraLayers& cameraLayers();
     /// The same to take away; a later call renders them again.
     std::vector<ImageLayer> takeCameraLayers();
     /// Without its noise; options().aovs names Aov::Denoised.
@@ -170,7 +170,7 @@ class RenderSession {
     Film film_;
     SlicedIntegrator integrator_;
     std::shared_ptr<HalfSums> halves_;  ///< null: not denoised
-    std::optional<std::vector<ImageLayer>> cameraLayers_;
+    std::optional<CameraLayers> cameraLayers_;
     DenoisingFeatures features_;  ///< empty until they are needed
     std::string denoiser_;        ///< of the last denoised image
     double secondsForAovs_ = 0, secondsForFeatures_ = 0, secondsForDenoising_ = 0;

@@ -305,7 +305,7 @@ void Explorer::renderFull(Side& side) {
 void Explorer::grantWishes() {
     for (const auto& [side, name] : board_.wishes()) {
         const core::Scene& inside = *Internals::of(scene_).scene;
-        const std::vector<ImageLayer> layers = renderAovs(inside, {aovFromName(name)});
+        const std::vector<ImageLayer> layers = renderAovs(inside, {aovFromName(name)}).layers;
         const FilmWindow& w = inside.camera().window();
         board_.fulfill(
             side, name,

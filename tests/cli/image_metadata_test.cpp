@@ -1,12 +1,16 @@
 /// What an EXR says of itself: windows, alpha, camera, options; and `metrolux info`, which shows it.
 
 #include "command.h"
+#include "image/cryptomatte.h"
 #include "image/image_io.h"
+#include "render/aov.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <bit>
+#include <sstream>
 
 namespace metrolux::core::cli {
 namespace {
@@ -75,6 +79,50 @@ TEST_F(ImageMetadataTest, AlphaIsTheShareOfAPixelThatShowsSomething) {
     ASSERT_EQ(run({"render", "ball.xml", "-i", "path", "--passes", "1", "-o", "b.exr"}).status, 0);
     EXPECT_EQ(readImage(folder / "b.exr", false).channels, 3);
     EXPECT_EQ(run({"compare", "a.exr", "b.exr"}).status, 0);
+}
+
+TEST_F(ImageMetadataTest, MattesOfObjectsAndMaterialsAreInTheFile) {
+    write("two.xml", R"(<scene version="3.0.0"><sensor type="perspective">
+<film type="hdrfilm"><integer name="width" value="16"/><integer name="height" value="16"/></film>
+<transform name="to_world"><lookat origin="0 0 4" target="0 0 0" up="0 1 0"/></transform></sensor>
+<bsdf type="diffuse" id="paint"/><shape type="sphere" id="ball"><ref id="paint"/></shape>
+<shape type="rectangle" id="wall"><transform name="to_world"><scale value="9"/><translate z="-2"/></transform>
+<ref id="paint"/></shape><emitter type="constant"/></scene>)");
+    const Outcome outcome = run({"render", "two.xml", "-i", "path", "--passes", "1", "-o", "a.exr", "--aov",
+                                 "crypto_object,crypto_material,object,material,position,uv,motion"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    const auto idOf = [](const char* name) { return std::bit_cast<float>(cryptomatteId(name)); };
+    const ImageLayer objects = readLayer(folder / "a.exr", "crypto_object00"),
+                     materials = readLayer(folder / "a.exr", "crypto_material00");
+    ASSERT_EQ(objects.channels, (std::vector<std::string>{"R", "G", "B", "A"}));
+    const float *corner = objects.pixels.data(), *middle = &objects.pixels[size_t(4 * (8 * 16 + 8))];
+    EXPECT_EQ(corner[0], idOf("wall"));
+    EXPECT_NEAR(corner[1], 1, 1e-5);
+    EXPECT_EQ(corner[3], 0);
+    EXPECT_EQ(middle[0], idOf("ball"));
+    int edges = 0;
+    for (size_t i = 0; i < 256; ++i) {
+        const float* pixel = &objects.pixels[4 * i];
+        EXPECT_NEAR(pixel[1] + pixel[3], 1, 1e-5);
+        EXPECT_GE(pixel[1], pixel[3]);
+        edges += pixel[3] > 0;
+        EXPECT_EQ(materials.pixels[4 * i], idOf("paint"));
+        EXPECT_NEAR(materials.pixels[4 * i + 1], 1, 1e-5);
+    }
+    EXPECT_GT(edges, 8);
+    const std::string said = infoOf("a.exr")["metadata"].dump();
+    for (const char* text : {"uint32_to_float32", "MurmurHash3_32", "ball", "wall", "paint"})
+        EXPECT_THAT(said, HasSubstr(text));
+    // The image is the same with them.
+    ASSERT_EQ(run({"render", "two.xml", "-i", "path", "--passes", "1", "-o", "b.exr"}).status, 0);
+    EXPECT_EQ(readImage(folder / "a.exr", false).pixels, readImage(folder / "b.exr", false).pixels);
+}
+
+TEST_F(ImageMetadataTest, HelpNamesEveryLayer) {
+    std::istringstream names(aovNames());
+    const std::string help = run({"render", "--help"}).out;
+    for (std::string name; std::getline(names >> std::ws, name, ',');)
+        EXPECT_THAT(help, testing::ContainsRegex("[ \n]" + name + "[,\n]"));
 }
 
 TEST_F(ImageMetadataTest, OptionsAndCameraAreInTheFile) {

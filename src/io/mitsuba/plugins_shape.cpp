@@ -210,6 +210,10 @@ BsdfPtr usualBsdf(const Element& element, const std::optional<MediumSides>& medi
     return makeDiffuse({makeConstantTexture(Rgb(emitter ? 0.0f : 0.5f))});
 }
 
+std::string nameOf(const Element& element) {
+    return element.id.empty() ? fmt::format("{} at {}", element.type, element.location.str()) : element.id;
+}
+
 /// The shapes of a plain plugin with their materials and lights; none if the type is unknown and that is let
 /// pass.
 std::vector<ShapePtr> makeShapes(const Element& element, LoadContext& context,
@@ -235,8 +239,8 @@ std::vector<ShapePtr> makeShapes(const Element& element, LoadContext& context,
         Shape& shape = *part.shape;
         const Box box = boxOf(shape);
         requirePlaceable(element, box.lower + context.origin, box.upper + context.origin);
-        shape.id =
-            element.id.empty() ? fmt::format("{} at {}", element.type, element.location.str()) : element.id;
+        shape.id = nameOf(element);
+        shape.material = part.bsdf ? nameOf(*part.bsdf) : "default";
         shape.bsdf = part.bsdf ? makeBsdf(*part.bsdf, context) : usualBsdf(element, media, emitter, context);
         if (subsurface) shape.bsdf = subsurface->boundary;
         if (part.bsdf) checkAttributes(*part.bsdf, shape, context);

@@ -130,6 +130,42 @@ TEST_F(Session, AovsAreLayers) {
     EXPECT_THROW(aovFromName("color"), Error);
 }
 
+TEST_F(Session, PlacesAndNumbersAreThoseOfTheMiddleOfAPixel) {
+    SceneParts described = parts();
+    described.shapes[0]->id = "square";
+    described.shapes[0]->material = "paint";
+    ShapePtr hidden = makeRectangle(Transform::translate(Vec3f(0, 0, 9)), false);
+    hidden->bsdf = described.shapes[0]->bsdf;
+    hidden->id = "hidden";
+    hidden->material = "paint";
+    described.shapes.insert(described.shapes.begin(), hidden);
+    described.origin = {100, 0, 0};
+    scene = std::make_shared<const Scene>(std::move(described));
+    options.aovs = {Aov::Position, Aov::Uv, Aov::Object, Aov::Material, Aov::Motion};
+    run();
+    const auto values = [&](const char* layer, size_t pixel) {
+        const ImageLayer l = readLayer(folder / "a.exr", layer);
+        const size_t n = l.channels.size();
+        return std::vector<float>(&l.pixels[pixel * n], &l.pixels[pixel * n] + n);
+    };
+    const size_t beside = 5 * 20 + 10, corner = 0;  // the middle of the image is where four pixels meet
+    const float half = 4 * std::tan(30 * kPi / 180) / 20;
+    const std::vector<float> position = values("position", beside), uv = values("uv", beside);
+    EXPECT_NEAR(std::abs(position[0] - 100), half, 1e-4);
+    EXPECT_NEAR(std::abs(position[1]), half, 1e-4);
+    EXPECT_NEAR(position[2], 0, 1e-4);
+    EXPECT_NEAR(std::abs(uv[0] - 0.5f), half / 2, 1e-4);
+    EXPECT_EQ(values("object", beside), std::vector<float>{2});
+    EXPECT_EQ(values("material", beside), std::vector<float>{1});
+    EXPECT_EQ(values("motion", beside), (std::vector<float>{0, 0}));
+    for (const char* layer : {"position", "uv", "object", "material"})
+        EXPECT_THAT(values(layer, corner), testing::Each(0.0f)) << layer;
+    const Metadata metadata = readMetadata(folder / "a.exr");
+    using Attribute = std::pair<std::string, MetadataValue>;
+    EXPECT_THAT(metadata, testing::Contains(Attribute("metrolux:objects", R"(["hidden","square"])")));
+    EXPECT_THAT(metadata, testing::Contains(Attribute("metrolux:materials", R"(["paint"])")));
+}
+
 TEST_F(Session, RefusesOutputsBeforeRendering) {
     files.outputs = {folder / "absent" / "a.exr"};
     EXPECT_THROW(run(), Error);

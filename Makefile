@@ -8,9 +8,9 @@ help:  ## this list
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1\t\2/p' Makefile | expand -t 28
 
 demo: setup  ## installs the packages, builds, renders tiles under waves for a minute: demo.png, demo.exr
-	cmake --preset release
-	cmake --build --preset release --target metrolux_command
-	$(BUILD)/metrolux render scenes/water-sds/scene.xml --time 60s -o demo.exr -o demo.png
+	cmake --preset demo
+	cmake --build --preset demo --target metrolux_command
+	$(BUILD)/metrolux render scenes/water-sds/scene.xml --resolution 800x600 --time 60s --denoise -o demo.exr -o demo.png
 
 test: setup-python build setup-browser  ## builds and runs all tests; says which were skipped and why
 	tools/run_tests.sh release -j 2
@@ -76,12 +76,12 @@ blender-reference:  ## the tables of docs/reference/blender.md, from the exporte
 blender-pictures: build blender-addon setup-blender  ## the pictures of docs/tutorial/blender.md
 	tools/blender_pictures.sh $(BUILD)
 
-# For the processor of this machine.
+# As the packages: for any x86-64, and a second time for processors with AVX2.
 PREFIX := /usr/local
 install: setup  ## the command, libmetrolux.so, its headers and CMake package, below PREFIX=/usr/local
-	cmake --preset release
-	cmake --build --preset release --target metrolux_command metrolux_library
-	$(SUDO) cmake --install $(BUILD) --prefix $(PREFIX)
+	cmake --preset package
+	cmake --build --preset package --target metrolux_command metrolux_library
+	$(SUDO) cmake --install build-package --prefix $(PREFIX)
 	$(SUDO) ldconfig
 
 # What is packaged is for any x86-64 and has a second build for processors with AVX2.

@@ -42,6 +42,15 @@ foreach(level "" ${METROLUX_LEVELS})
   endif()
 endforeach()
 
+# Where METROLUX_UNITY asks for it, sources are compiled eight at a time: most of what a source takes is the headers of others.
+function(metrolux_unity target)
+  if(METROLUX_UNITY)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # Sources are included there, which makes them headers for this warning.
+    target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  endif()
+endfunction()
+
 # metrolux_module(name DEPENDS modules... LIBRARIES external... INSIDE external... GENERATED sources...): headers of modules include
 # those of LIBRARIES, and nothing of INSIDE.
 function(metrolux_module name)
@@ -61,6 +70,7 @@ function(metrolux_module name)
     # They are parts of the shared library, which exports what include/metrolux declares.
     set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_VISIBILITY_PRESET hidden
       VISIBILITY_INLINES_HIDDEN ON)
+    metrolux_unity(${target})
     target_link_libraries(${target} PUBLIC metrolux_options metrolux_arch${suffix} ${ARG_LIBRARIES})
     target_link_libraries(${target} PRIVATE ${ARG_INSIDE})
     foreach(module ${ARG_DEPENDS})

@@ -24,7 +24,7 @@ SOURCE=$source ROOT=$root unshare --mount bash -euo pipefail -c '
     [ ! -d "$SOURCE/../shared" ] || mount --bind -o ro "$(realpath "$SOURCE/../shared")" "$ROOT/metrolux/shared"
     exec chroot "$ROOT" env HOME=/root LC_ALL=C.UTF-8 METROLUX_JOBS="${METROLUX_JOBS:-2}" sh -euc "
         cd /metrolux/source
-        cmake -S . -B ../build -G Ninja -DCMAKE_BUILD_TYPE=Release
+        cmake -S . -B ../build -G Ninja -DCMAKE_BUILD_TYPE=Release -DMETROLUX_UNITY=ON
         cmake --build ../build -j \$METROLUX_JOBS --target metrolux_command quick_tests
         ../build/metrolux --version
         ctest --test-dir ../build -j \$METROLUX_JOBS --output-on-failure -L \"^(unit/.*|oracle|repository)\\\$\""

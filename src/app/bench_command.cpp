@@ -13,7 +13,7 @@
 namespace metrolux::core::app {
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kBenchExamples = R"(Examples:
   metrolux bench scene.xml
   metrolux bench scene.xml -i path --resolution 512x512 --threads 2 --json path.json
 
@@ -59,7 +59,7 @@ int bench(BenchArguments& a) {
 
 Run addBenchCommand(CLI::App& parent) {
     CLI::App* app = parent.add_subcommand("bench", "Measure the speed of an integrator on a scene");
-    app->footer(kExamples);
+    app->footer(kBenchExamples);
     auto a = std::make_shared<BenchArguments>();
     app->add_option("scene", a->render.scene, "Mitsuba scene (XML)")->required();
     app->add_option("--passes", a->speed.passes, "Passes to measure (default: 5)")

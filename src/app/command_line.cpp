@@ -27,7 +27,7 @@ namespace {
 constexpr const char* kDescription =
     "Metrolux renders Mitsuba scenes with MCMC VCM: caustics, light through doors ajar, and both at once.";
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kGeneralExamples = R"(Examples:
   metrolux render scene.xml -o image.exr -o image.png --time 5m
   metrolux view scene.xml
   metrolux resume image.checkpoint
@@ -70,7 +70,7 @@ std::string hintFor(const CLI::ParseError& error, const CLI::App& root, const CL
 
 int runCommandLine(int argc, char** argv) {
     CLI::App root(kDescription, "metrolux");
-    root.footer(kExamples);
+    root.footer(kGeneralExamples);
     root.set_version_flag("--version", std::string("metrolux ") + metrolux::version(),
                           "Show the version and exit");
     root.require_subcommand(0, 1);

@@ -14,7 +14,7 @@
 namespace metrolux::core::app {
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kCompareExamples = R"(Examples:
   metrolux compare image.exr reference.exr
   metrolux compare image.exr reference.exr --heatmap errors.png --json
 
@@ -94,7 +94,7 @@ int compare(const CompareArguments& a) {
 
 Run addCompareCommand(CLI::App& parent) {
     CLI::App* app = parent.add_subcommand("compare", "Measure how far an image is from a reference");
-    app->footer(kExamples);
+    app->footer(kCompareExamples);
     auto a = std::make_shared<CompareArguments>();
     app->add_option("image", a->image, "Image to judge")->required();
     app->add_option("reference", a->reference, "Image that is taken as right")->required();

@@ -13,7 +13,7 @@
 namespace metrolux::core::app {
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kCompletionsExamples = R"(Examples:
   metrolux completions bash > ~/.local/share/bash-completion/completions/metrolux
   metrolux completions zsh > ~/.zfunc/_metrolux
   metrolux completions fish > ~/.config/fish/completions/metrolux.fish
@@ -153,7 +153,7 @@ void printManual(const CLI::App& root) {
 
 Run addCompletionsCommand(CLI::App& parent) {
     CLI::App* app = parent.add_subcommand("completions", "Print completions for a shell, or the manual page");
-    app->footer(kExamples);
+    app->footer(kCompletionsExamples);
     auto kind = std::make_shared<std::string>();
     app->add_option("kind", *kind, "bash, zsh, fish or man")->required();
     return [kind, root = &parent] {

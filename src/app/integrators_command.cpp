@@ -6,7 +6,7 @@
 namespace metrolux::core::app {
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kIntegratorsExamples = R"(Examples:
   metrolux integrators                                 # names, one a line, with what each is
   metrolux integrators mcmc_vcm                        # its parameters
   metrolux integrators --markdown                      # all of it: docs/reference/parameters.md
@@ -109,7 +109,7 @@ int listIntegrators(const IntegratorsArguments& a) {
 
 Run addIntegratorsCommand(CLI::App& parent) {
     CLI::App* app = parent.add_subcommand("integrators", "List the integrators and their parameters");
-    app->footer(kExamples);
+    app->footer(kIntegratorsExamples);
     auto a = std::make_shared<IntegratorsArguments>();
     app->add_option("name", a->name, "An integrator, for its parameters");
     app->add_flag("--markdown", a->markdown, "All integrators and parameters as a page of the documentation");

@@ -9,7 +9,7 @@
 namespace metrolux::core::app {
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kMergeExamples = R"(Examples:
   metrolux render scene.xml --passes 6400 --slices 64 --only-slices 0-31 --checkpoint part0     # on one machine
   metrolux render scene.xml --passes 6400 --slices 64 --only-slices 32-63 --checkpoint part1    # on another
   metrolux merge part0 part1 -o image.exr -o image.png
@@ -41,7 +41,7 @@ int merge(MergeArguments& a) {
 Run addMergeCommand(CLI::App& parent) {
     CLI::App* app =
         parent.add_subcommand("merge", "Join the parts of a rendering that was divided into slices");
-    app->footer(kExamples);
+    app->footer(kMergeExamples);
     auto arguments = std::make_shared<MergeArguments>();
     app->add_option("parts", arguments->parts, "Checkpoints of `metrolux render --only-slices`")
         ->required()

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kRenderExamples = R"(Examples:
   metrolux render scene.xml                            # a minute, to an EXR named after the scene
   metrolux render scene.xml -o a.exr -o a.png --time 1h
   metrolux render scene.xml --error 0.02               # until the estimated relative error is 2 %
@@ -259,7 +259,7 @@ void warnOfReplaced(const fs::path& checkpoint) {
 
 Run addRenderCommand(CLI::App& parent) {
     CLI::App* app = parent.add_subcommand("render", "Render a scene to image files");
-    app->footer(kExamples);
+    app->footer(kRenderExamples);
     auto arguments = std::make_shared<RenderArguments>();
     addRenderOptions(*app, *arguments);
     return [arguments] {

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kResumeExamples = R"(Examples:
   metrolux resume a.checkpoint                         # to the limits of the render command, and its files
   metrolux resume a.checkpoint --passes 200            # further than it was to go
   metrolux resume a.checkpoint --time 20h -o b.exr     # 20 hours with those before the checkpoint
@@ -93,7 +93,7 @@ int resume(ResumeArguments& a) {
 
 Run addResumeCommand(CLI::App& parent) {
     CLI::App* app = parent.add_subcommand("resume", "Go on with a rendering from a checkpoint");
-    app->footer(kExamples);
+    app->footer(kResumeExamples);
     auto arguments = std::make_shared<ResumeArguments>();
     app->add_option("checkpoint", arguments->file, "File of `metrolux render --checkpoint FILE`")->required();
     RenderArguments& overrides = arguments->overrides;

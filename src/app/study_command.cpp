@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 using study::Entrant;
 using study::Plan;
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kStudyExamples = R"(Examples:
   metrolux study scene.xml --integrators path,vcm,mcmc_vcm --time 60s --ref reference.exr
   metrolux study a.xml b.xml --integrators path,mcmc_vcm --time 5m --ref-time 1h -o results
   metrolux study scene.xml --integrators mcmc_vcm,mcmc_vcm:kernel=adaptive --passes 64 --seeds 8 --ref reference.exr
@@ -341,7 +341,7 @@ int runStudyCommand(StudyArguments& a) {
 
 Run addStudyCommand(CLI::App& parent) {
     CLI::App* app = parent.add_subcommand("study", "Compare integrators at equal time or equal passes");
-    app->footer(kExamples);
+    app->footer(kStudyExamples);
     auto arguments = std::make_shared<StudyArguments>();
     app->add_option("scene", arguments->scenes, "Mitsuba scenes")->required()->option_text("SCENE...");
     addComparisonOptions(*app, *arguments);

@@ -17,7 +17,7 @@
 namespace metrolux::core::app {
 namespace {
 
-constexpr const char* kExamples = R"(Examples:
+constexpr const char* kViewExamples = R"(Examples:
   metrolux view scene.xml                              # prints the address of a page, and opens it on a desktop
   metrolux view scene.xml -i path --resolution 640x480 --port 8420
   metrolux view scene.xml --passes 64 -o a.exr         # stays after 64 passes, with what was rendered
@@ -96,7 +96,7 @@ int view(RenderArguments& render) {
 Run addViewCommand(CLI::App& parent) {
     CLI::App* app =
         parent.add_subcommand("view", "Render a scene on a page in the browser, and walk through it");
-    app->footer(kExamples);
+    app->footer(kViewExamples);
     auto arguments = std::make_shared<RenderArguments>();
     RenderArguments& render = *arguments;
     app->add_option("scene", render.scene,

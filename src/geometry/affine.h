@@ -4,7 +4,11 @@
 
 #include <Imath/ImathVec.h>
 
+#include <numbers>
+
 namespace metrolux::core {
+
+inline constexpr double kPiD = std::numbers::pi;
 
 inline Vec3d toDouble(const Vec3f& v) { return {v.x, v.y, v.z}; }
 inline Vec3f toFloat(const Vec3d& v) {

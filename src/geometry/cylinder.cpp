@@ -6,8 +6,6 @@ namespace metrolux::core {
 
 namespace {
 
-constexpr double kPiD = std::numbers::pi;
-
 /// Cylinder of circular section without caps; uv = (angle / 2 pi, height). In its local space the radius and
 /// the length are one.
 class Cylinder final : public AnalyticShape {

@@ -7,8 +7,6 @@ namespace metrolux::core {
 
 namespace {
 
-constexpr double kPiD = std::numbers::pi;
-
 class Sphere final : public AnalyticShape {
   public:
     Sphere(const Transform& toWorld, const Vec3d& center, float radius, bool flipNormals)

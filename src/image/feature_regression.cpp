@@ -23,9 +23,9 @@ constexpr int kSide = 2 * kWindow + 1, kOffsets = kSide * kSide;
 static_assert(kWindow + kPatch <= PaddedPlane::kMargin);
 /// A model is fitted around every second pixel of every second row, and tells of all pixels of its window.
 constexpr int kStep = 2;
-constexpr int kTile = 32, kCentersPerRow = (kTile + kStep - 1) / kStep,
+constexpr int kTileSide = 32, kCentersPerRow = (kTileSide + kStep - 1) / kStep,
               kCenters = kCentersPerRow * kCentersPerRow;
-static_assert(kTile >= 2 * kWindow, "tiles that are written at once must not meet");
+static_assert(kTileSide >= 2 * kWindow, "tiles that are written at once must not meet");
 constexpr int kColumns = 16;  ///< features, colors, and zeros up to a multiple of the vector width
 static_assert(kFeatures + 3 <= kColumns);
 
@@ -57,8 +57,8 @@ class TileFilter {
           weights_(strengths.size() * kCenters * kOffsets) {}
 
     void run(int tileX, int tileY) {
-        x0_ = tileX * kTile, y0_ = tileY * kTile;
-        tileWidth_ = std::min(kTile, width_ - x0_), tileHeight_ = std::min(kTile, height_ - y0_);
+        x0_ = tileX * kTileSide, y0_ = tileY * kTileSide;
+        tileWidth_ = std::min(kTileSide, width_ - x0_), tileHeight_ = std::min(kTileSide, height_ - y0_);
         for (int dy = -kWindow; dy <= kWindow; ++dy)
             for (int dx = -kWindow; dx <= kWindow; ++dx) compare(dx, dy);
         for (size_t k = 0; k < strengths_.size(); ++k)
@@ -104,13 +104,13 @@ class TileFilter {
             }
         const int offset = (dy + kWindow) * kSide + dx + kWindow;
         for (int y = 0; y < tileHeight_; y += kStep) {
-            float means[kTile] = {};
+            float means[kTileSide] = {};
             for (int i = 0; i < kPatchSide; ++i)
                 for (int x = 0; x < tileWidth_; ++x) means[x] += rows_[y + i][x];
             for (size_t k = 0; k < strengths_.size(); ++k) {
                 const float scale = 1 / (strengths_[k] * strengths_[k]);
-                float weights[kTile];
-                for (int x = 0; x < kTile; ++x) weights[x] = expOfMinus(std::max(0.0f, means[x] * scale));
+                float weights[kTileSide];
+                for (int x = 0; x < kTileSide; ++x) weights[x] = expOfMinus(std::max(0.0f, means[x] * scale));
                 for (int x = 0; x < tileWidth_; x += kStep) weightsOf(k, x, y)[offset] = weights[x];
             }
         }
@@ -201,14 +201,14 @@ class TileFilter {
         return input_.features[static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)];
     }
 
-    static constexpr int kWide = kTile + 2 * kPatch;
+    static constexpr int kWide = kTileSide + 2 * kPatch;
     const RegressionInput& input_;
     std::span<const float> strengths_;
     std::vector<Sums>& sums_;
     int width_, height_;
     int x0_ = 0, y0_ = 0, tileWidth_ = 0, tileHeight_ = 0;
     std::vector<float> weights_;  ///< of all neighbors of all centers, for each strength
-    float distances_[kWide][kWide], rows_[kWide][kTile];
+    float distances_[kWide][kWide], rows_[kWide][kTileSide];
 };
 
 }  // namespace
@@ -216,7 +216,7 @@ class TileFilter {
 std::vector<ColorPlanes> regress(const RegressionInput& input, std::span<const float> strengths) {
     const int width = input.trust.width(), height = input.trust.height();
     std::vector<Sums> sums(strengths.size(), {makeColorPlanes(width, height), PaddedPlane(width, height)});
-    const int columns = (width + kTile - 1) / kTile, rows = (height + kTile - 1) / kTile;
+    const int columns = (width + kTileSide - 1) / kTileSide, rows = (height + kTileSide - 1) / kTileSide;
     // Windows reach beyond their tiles: every second tile of every second row at a time, so that the order of
     // sums does not depend on threads.
     for (int phase = 0; phase < 4; ++phase) {

@@ -12,7 +12,7 @@ namespace metrolux::core {
 namespace {
 
 /// Visible samples that b_V rests on before chains are used.
-constexpr double kVisibleSamples = 64;
+constexpr double kVisibleSamplesToStart = 64;
 
 void append(std::vector<Vertex>& to, const std::vector<Vertex>& from, double weight) {
     for (const Vertex& v : from) {
@@ -34,7 +34,7 @@ VisibilityDrivenSet::VisibilityDrivenSet(uint64_t seed, const ChainParameters& c
 void VisibilityDrivenSet::begin(size_t samples, double radius) {
     squaredRadius_ = radius * radius;
     normalization_.update(squaredRadius_);
-    chainsRun_ = normalization_.visibleSamples() >= kVisibleSamples;
+    chainsRun_ = normalization_.visibleSamples() >= kVisibleSamplesToStart;
     mix_ = {};
     mix_.inefficiency = inefficiency_;
     mix_.bVisibility = normalization_.visibility();

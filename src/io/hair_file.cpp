@@ -8,11 +8,11 @@
 namespace metrolux::core {
 namespace {
 
-constexpr std::string_view kMagic = "BINARY_HAIR";
+constexpr std::string_view kHairMagic = "BINARY_HAIR";
 
 std::vector<std::vector<CurvePoint>> readBinary(const std::filesystem::path& path, const std::string& data,
                                                 double radius) {
-    size_t at = kMagic.size();
+    size_t at = kHairMagic.size();
     const auto read = [&](auto& value) {
         if (data.size() - at < sizeof(value))
             throw Error("{}: ends after {} bytes, in the middle of its points", path.string(), data.size());
@@ -49,7 +49,7 @@ std::vector<std::vector<CurvePoint>> readBinary(const std::filesystem::path& pat
 std::vector<std::vector<CurvePoint>> readHairs(const std::filesystem::path& path, const MeshOptions& options,
                                                double radius) {
     const std::string data = readMeshFile(path, options);
-    if (!data.starts_with(kMagic)) return readCurves(path, options, radius);
+    if (!data.starts_with(kHairMagic)) return readCurves(path, options, radius);
     requireMemory(path, options, data.size() / (3 * sizeof(float)) + 1, sizeof(CurvePoint), "the hairs");
     return readBinary(path, data, radius);
 }

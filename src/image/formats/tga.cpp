@@ -79,7 +79,8 @@ class TgaDecoder final : public ImageDecoder {
     }
     Pixel readPixel() {
         Pixel pixel{};
-        for (size_t i = 0; i < pixelBytes_; ++i) pixel[i] = readByte(stream_);
+        // GCC 14 does not know that there are four bytes at most.
+        for (size_t i = 0; i < std::min(pixelBytes_, pixel.size()); ++i) pixel[i] = readByte(stream_);
         return pixel;
     }
 

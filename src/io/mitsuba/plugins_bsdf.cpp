@@ -272,8 +272,8 @@ BsdfPtr normalMap(const BsdfSource& s) {
 
 BsdfPtr nothing(const BsdfSource&) { return makeNullBsdf(); }
 
-using Factory = BsdfPtr (*)(const BsdfSource&);
-const std::vector<std::pair<std::string, Factory>> kFactories = {
+using BsdfFactory = BsdfPtr (*)(const BsdfSource&);
+const std::vector<std::pair<std::string, BsdfFactory>> kBsdfFactories = {
     {"diffuse", diffuse},
     {"dielectric", dielectric},
     {"thindielectric", thinDielectric},
@@ -314,7 +314,7 @@ BsdfPtr unknown(const Element& element, LoadContext& context) {
 
 std::vector<std::string> bsdfTypes() {
     std::vector<std::string> names;
-    for (const auto& [name, factory] : kFactories) names.push_back(name);
+    for (const auto& [name, factory] : kBsdfFactories) names.push_back(name);
     return names;
 }
 
@@ -322,7 +322,7 @@ BsdfPtr makeBsdf(const Element& element, LoadContext& context) {
     if (const auto found = context.built.find(&element); found != context.built.end())
         return std::static_pointer_cast<const Bsdf>(found->second);
     BsdfPtr result;
-    for (const auto& [name, factory] : kFactories)
+    for (const auto& [name, factory] : kBsdfFactories)
         if (element.type == name) result = factory({element, context});
     if (result) {
         element.checkAllUsed(context.lenient, context.warnings);

@@ -154,22 +154,22 @@ MediumPtr heterogeneous(const Element& e, LoadContext& context) {
         volumeProperty(e, "albedo", context, kAlbedo, 0.75f, false), scale, scatterer);
 }
 
-using Factory = MediumPtr (*)(const Element&, LoadContext&);
-const std::vector<std::pair<std::string, Factory>> kFactories = {{"homogeneous", homogeneous},
-                                                                 {"heterogeneous", heterogeneous}};
+using MediumFactory = MediumPtr (*)(const Element&, LoadContext&);
+const std::vector<std::pair<std::string, MediumFactory>> kMediumFactories = {
+    {"homogeneous", homogeneous}, {"heterogeneous", heterogeneous}};
 
 }  // namespace
 
 std::vector<std::string> mediumTypes() {
     std::vector<std::string> names;
-    names.reserve(kFactories.size());
-    for (const auto& [name, factory] : kFactories) names.push_back(name);
+    names.reserve(kMediumFactories.size());
+    for (const auto& [name, factory] : kMediumFactories) names.push_back(name);
     return names;
 }
 
 MediumPtr makeMedium(const Element& element, LoadContext& context) {
     MediumPtr result;
-    for (const auto& [name, factory] : kFactories) {
+    for (const auto& [name, factory] : kMediumFactories) {
         if (element.type != name) continue;
         refuseEmission(element);
         readSampling(element, context);

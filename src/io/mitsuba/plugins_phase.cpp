@@ -83,19 +83,20 @@ Scatterer mixture(const Element& e, LoadContext& context) {
     return result;
 }
 
-using Factory = Scatterer (*)(const Element&, LoadContext&);
-struct Plugin {
+using PhaseFactory = Scatterer (*)(const Element&, LoadContext&);
+struct PhasePlugin {
     const char* type;
-    Factory make;
+    PhaseFactory make;
 };
-constexpr Plugin kPlugins[] = {{"isotropic", isotropic}, {"hg", henyeyGreenstein}, {"rayleigh", rayleigh},
-                               {"tabphase", tabulated},  {"blendphase", blend},    {"mixturephase", mixture}};
+constexpr PhasePlugin kPhasePlugins[] = {{"isotropic", isotropic}, {"hg", henyeyGreenstein},
+                                         {"rayleigh", rayleigh},   {"tabphase", tabulated},
+                                         {"blendphase", blend},    {"mixturephase", mixture}};
 
 }  // namespace
 
 std::vector<std::string> phaseTypes() {
     std::vector<std::string> names;
-    for (const Plugin& plugin : kPlugins) names.emplace_back(plugin.type);
+    for (const PhasePlugin& plugin : kPhasePlugins) names.emplace_back(plugin.type);
     return names;
 }
 
@@ -103,7 +104,7 @@ Scatterer makePhase(const Element& element, LoadContext& context) {
     if (const auto found = context.built.find(&element); found != context.built.end())
         return *std::static_pointer_cast<const Scatterer>(found->second);
     Scatterer result;
-    for (const Plugin& plugin : kPlugins)
+    for (const PhasePlugin& plugin : kPhasePlugins)
         if (element.type == plugin.type)
             result = withLocation(element, [&] { return plugin.make(element, context); });
     if (result.phase) {

@@ -92,11 +92,11 @@ ShapePtr makePlaced(const Element& element, LoadContext& context) {
     return Make(placement.toWorld, placement.flipNormals);
 }
 
-struct Plugin {
+struct ShapePlugin {
     const char* type;
     MakeShape make;
 };
-constexpr Plugin kPlugins[] = {
+constexpr ShapePlugin kShapePlugins[] = {
     {"obj", makeObjShape},
     {"ply", makePlyShape},
     {"serialized", makeSerializedShape},
@@ -170,7 +170,7 @@ std::vector<ShapePart> objByMaterial(const Element& element, const std::vector<N
 }
 
 /// The shapes that the plugin makes of an element: one, but for an OBJ whose materials have BSDFs.
-std::vector<ShapePart> makeParts(const Element& element, const Plugin& plugin, LoadContext& context) {
+std::vector<ShapePart> makeParts(const Element& element, const ShapePlugin& plugin, LoadContext& context) {
     if (element.isLegacy() && element.type == "obj") {
         const std::vector<NamedChild> bsdfs = element.namedChildrenOf("bsdf");
         const auto hasName = [](const NamedChild& bsdf) { return !bsdf.name.empty(); };
@@ -179,10 +179,10 @@ std::vector<ShapePart> makeParts(const Element& element, const Plugin& plugin, L
     return {{plugin.make(element, context), bsdfOf(element, context)}};
 }
 
-const Plugin* findPlugin(const Element& element, LoadContext& context) {
-    const auto* plugin = std::find_if(std::begin(kPlugins), std::end(kPlugins),
-                                      [&](const Plugin& p) { return element.type == p.type; });
-    if (plugin != std::end(kPlugins)) return plugin;
+const ShapePlugin* findPlugin(const Element& element, LoadContext& context) {
+    const auto* plugin = std::find_if(std::begin(kShapePlugins), std::end(kShapePlugins),
+                                      [&](const ShapePlugin& p) { return element.type == p.type; });
+    if (plugin != std::end(kShapePlugins)) return plugin;
     const std::string message = unknownPlugin(element, "shape", shapeTypes());
     if (!context.lenient) throw element.error(message);
     context.warn(element, message + " (the shape is left out)");
@@ -210,7 +210,7 @@ BsdfPtr usualBsdf(const Element& element, const std::optional<MediumSides>& medi
     return makeDiffuse({makeConstantTexture(Rgb(emitter ? 0.0f : 0.5f))});
 }
 
-std::string nameOf(const Element& element) {
+std::string shownName(const Element& element) {
     return element.id.empty() ? fmt::format("{} at {}", element.type, element.location.str()) : element.id;
 }
 
@@ -218,7 +218,7 @@ std::string nameOf(const Element& element) {
 /// pass.
 std::vector<ShapePtr> makeShapes(const Element& element, LoadContext& context,
                                  std::vector<LightPtr>& lights) {
-    const Plugin* plugin = findPlugin(element, context);
+    const ShapePlugin* plugin = findPlugin(element, context);
     if (!plugin) return {};
     if (!element.isLegacy()) element.ignore("silhouette_sampling_weight");  // of derivatives
     if (leavesNoArea(element.transform("to_world", true))) {
@@ -239,8 +239,8 @@ std::vector<ShapePtr> makeShapes(const Element& element, LoadContext& context,
         Shape& shape = *part.shape;
         const Box box = boxOf(shape);
         requirePlaceable(element, box.lower + context.origin, box.upper + context.origin);
-        shape.id = nameOf(element);
-        shape.material = part.bsdf ? nameOf(*part.bsdf) : "default";
+        shape.id = shownName(element);
+        shape.material = part.bsdf ? shownName(*part.bsdf) : "default";
         shape.bsdf = part.bsdf ? makeBsdf(*part.bsdf, context) : usualBsdf(element, media, emitter, context);
         if (subsurface) shape.bsdf = subsurface->boundary;
         if (part.bsdf) checkAttributes(*part.bsdf, shape, context);
@@ -348,7 +348,7 @@ void addMerged(const Element& element, LoadContext& context, SceneParts& parts) 
 
 std::vector<std::string> shapeTypes() {
     std::vector<std::string> names = {kGroup, kInstance, kMerge};
-    for (const Plugin& p : kPlugins) names.emplace_back(p.type);
+    for (const ShapePlugin& p : kShapePlugins) names.emplace_back(p.type);
     return names;
 }
 

@@ -96,9 +96,9 @@ VolumePtr grid(const Element& e, LoadContext& context) {
     return makeGridVolume(std::move(file.samples), settings);
 }
 
-using Factory = VolumePtr (*)(const Element&, LoadContext&);
-const std::vector<std::pair<std::string, Factory>> kFactories = {{"constvolume", constant},
-                                                                 {"gridvolume", grid}};
+using VolumeFactory = VolumePtr (*)(const Element&, LoadContext&);
+const std::vector<std::pair<std::string, VolumeFactory>> kVolumeFactories = {{"constvolume", constant},
+                                                                             {"gridvolume", grid}};
 
 }  // namespace
 
@@ -108,8 +108,8 @@ const Quantity kAlbedo{"albedo in [0, 1]", reflectanceFromSpectrum, 1};
 
 std::vector<std::string> volumeTypes() {
     std::vector<std::string> names;
-    names.reserve(kFactories.size());
-    for (const auto& [name, factory] : kFactories) names.push_back(name);
+    names.reserve(kVolumeFactories.size());
+    for (const auto& [name, factory] : kVolumeFactories) names.push_back(name);
     return names;
 }
 
@@ -117,7 +117,7 @@ VolumePtr makeVolume(const Element& element, LoadContext& context) {
     if (const auto found = context.built.find(&element); found != context.built.end())
         return std::static_pointer_cast<const Volume>(found->second);
     VolumePtr result;
-    for (const auto& [name, factory] : kFactories)
+    for (const auto& [name, factory] : kVolumeFactories)
         if (element.type == name)
             result = withLocation(element, [&, make = factory] { return make(element, context); });
     if (result) {

@@ -263,11 +263,11 @@ struct LightMaker {
     }
 };
 
-struct Type {
+struct LightType {
     const char* name;
     ElementPtr (*make)(const LightMaker&);
 };
-constexpr Type kTypes[] = {
+constexpr LightType kLightTypes[] = {
     {"point", [](const LightMaker& l) { return l.point(); }},
     {"spot", [](const LightMaker& l) { return l.spot(); }},
     {"distant", [](const LightMaker& l) { return l.distant(); }},
@@ -280,13 +280,13 @@ constexpr Type kTypes[] = {
 
 std::vector<std::string> lightTypes() {
     std::vector<std::string> names;
-    for (const Type& type : kTypes) names.emplace_back(type.name);
+    for (const LightType& type : kLightTypes) names.emplace_back(type.name);
     return names;
 }
 
 ElementPtr makeLight(const std::string& type, const Parameters& p, const Transform& toWorld,
                      const ColorSpace& space, double exposure, Reading& reading) {
-    for (const Type& known : kTypes) {
+    for (const LightType& known : kLightTypes) {
         if (type != known.name) continue;
         ElementPtr made = known.make({p, toWorld, space, exposure, reading});
         p.ignore({"samples", "nsamples"});  // of version 3

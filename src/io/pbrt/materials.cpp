@@ -233,13 +233,13 @@ struct MaterialMaker {
 
 namespace {
 
-using Make = ElementPtr (*)(const MaterialMaker&);
-struct Type {
+using MaterialMake = ElementPtr (*)(const MaterialMaker&);
+struct MaterialType {
     const char* name;
-    Make make;
+    MaterialMake make;
     bool isOld;  ///< a name of version 3
 };
-constexpr Type kTypes[] = {
+constexpr MaterialType kMaterialTypes[] = {
     {"diffuse", [](const MaterialMaker& m) { return m.diffuse("reflectance", 0.5f); }, false},
     {"coateddiffuse", [](const MaterialMaker& m) { return m.coatedDiffuse("reflectance", 0); }, false},
     {"conductor", [](const MaterialMaker& m) { return m.twoSided(m.metal("", 0)); }, false},
@@ -262,7 +262,7 @@ constexpr Type kTypes[] = {
 
 std::vector<std::string> Materials::types() {
     std::vector<std::string> names;
-    for (const Type& type : kTypes)
+    for (const MaterialType& type : kMaterialTypes)
         if (!type.isOld) names.emplace_back(type.name);
     return names;
 }
@@ -286,9 +286,9 @@ ElementPtr Materials::bsdf(const Handle& handle) {
     if (beingMade_.size() > kDeepestMix)
         throw p.error(fmt::format("mixes are nested more than {} levels deep", kDeepestMix));
     const MaterialMaker maker{*this, p, material.space};
-    const auto* const type = std::find_if(std::begin(kTypes), std::end(kTypes),
-                                          [&](const Type& t) { return material.type == t.name; });
-    if (type != std::end(kTypes)) {
+    const auto* const type = std::find_if(std::begin(kMaterialTypes), std::end(kMaterialTypes),
+                                          [&](const MaterialType& t) { return material.type == t.name; });
+    if (type != std::end(kMaterialTypes)) {
         if (type->isOld)
             reading_.warn(
                 p.error(fmt::format("\"{}\" is of pbrt 3: read as the nearest of today's", type->name)));

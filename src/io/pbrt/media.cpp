@@ -153,11 +153,11 @@ struct MediumMaker {
     }
 };
 
-struct Type {
+struct MediumType {
     const char* name;
     ElementPtr (*make)(const MediumMaker&, const std::string&);
 };
-constexpr Type kTypes[] = {
+constexpr MediumType kMediumTypes[] = {
     {"homogeneous", [](const MediumMaker& m, const std::string& name) { return m.homogeneous(name); }},
     {"uniformgrid", [](const MediumMaker& m, const std::string& name) { return m.uniformGrid(name); }},
 };
@@ -166,7 +166,7 @@ constexpr Type kTypes[] = {
 
 std::vector<std::string> Media::types() {
     std::vector<std::string> names;
-    for (const Type& type : kTypes) names.emplace_back(type.name);
+    for (const MediumType& type : kMediumTypes) names.emplace_back(type.name);
     return names;
 }
 
@@ -178,9 +178,9 @@ void Media::define(const std::string& name, const Parameters& p, const Transform
     const std::string type = p.requiredString("type");
     ElementPtr& medium = media_[name];
     const MediumMaker maker{p, toWorld, space, reading_};
-    const auto* const known =
-        std::find_if(std::begin(kTypes), std::end(kTypes), [&](const Type& t) { return type == t.name; });
-    if (known == std::end(kTypes)) {
+    const auto* const known = std::find_if(std::begin(kMediumTypes), std::end(kMediumTypes),
+                                           [&](const MediumType& t) { return type == t.name; });
+    if (known == std::end(kMediumTypes)) {
         const std::string nearest = nearestName(type, types());
         reading_.refuse(
             p.error(fmt::format("the medium \"{}\" is not supported{}, expected one of {}", type,

@@ -11,9 +11,9 @@ namespace {
 
 using Kind = Token::Kind;
 
-const std::vector<std::string> kTypes = {"integer",  "float", "point2", "vector2", "point3", "vector3",
-                                         "normal3",  "point", "vector", "normal",  "string", "texture",
-                                         "spectrum", "rgb",   "color",  "xyz",     "bool",   "blackbody"};
+const std::vector<std::string> kParameterTypes = {
+    "integer", "float",  "point2",  "vector2",  "point3", "vector3", "normal3", "point", "vector",
+    "normal",  "string", "texture", "spectrum", "rgb",    "color",   "xyz",     "bool",  "blackbody"};
 
 bool isTextType(const std::string& type) { return type == "string" || type == "texture" || type == "bool"; }
 
@@ -46,11 +46,12 @@ Parameter declared(const Token& token) {
     result.type = text.substr(start, end - start);
     result.name = text.substr(name, text.find_last_not_of(" \t") + 1 - name);
     result.where = token.where();
-    if (std::find(kTypes.begin(), kTypes.end(), result.type) == kTypes.end()) {
-        const std::string nearest = nearestName(result.type, kTypes);
-        throw token.error(fmt::format(
-            "found the type \"{}\" of a parameter{}, expected one of {}", printable(result.type),
-            nearest.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", nearest), fmt::join(kTypes, ", ")));
+    if (std::find(kParameterTypes.begin(), kParameterTypes.end(), result.type) == kParameterTypes.end()) {
+        const std::string nearest = nearestName(result.type, kParameterTypes);
+        throw token.error(fmt::format("found the type \"{}\" of a parameter{}, expected one of {}",
+                                      printable(result.type),
+                                      nearest.empty() ? "" : fmt::format(" (did you mean \"{}\"?)", nearest),
+                                      fmt::join(kParameterTypes, ", ")));
     }
     return result;
 }

@@ -379,11 +379,11 @@ class ShapeMaker {
     Reading& reading_;
 };
 
-struct Type {
+struct ShapeType {
     const char* name;
     void (*make)(ShapeMaker&);
 };
-constexpr Type kTypes[] = {
+constexpr ShapeType kShapeTypes[] = {
     {"trianglemesh", [](ShapeMaker& s) { s.triangleMesh(false); }},
     {"plymesh", [](ShapeMaker& s) { s.plyMesh(); }},
     {"bilinearmesh", [](ShapeMaker& s) { s.bilinearMesh(); }},
@@ -398,14 +398,14 @@ constexpr Type kTypes[] = {
 
 std::vector<std::string> shapeTypes() {
     std::vector<std::string> names;
-    for (const Type& type : kTypes) names.emplace_back(type.name);
+    for (const ShapeType& type : kShapeTypes) names.emplace_back(type.name);
     return names;
 }
 
 std::vector<ShapePart> makeShape(const std::string& type, const Parameters& parameters,
                                  const Transform& toWorld, const ShapeOptions& options, Reading& reading) {
     ShapeMaker maker(parameters, toWorld, options, reading);
-    for (const Type& known : kTypes) {
+    for (const ShapeType& known : kShapeTypes) {
         if (type != known.name) continue;
         known.make(maker);
         return std::move(maker.parts);

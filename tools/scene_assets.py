@@ -201,6 +201,33 @@ def cut_stone(sides=8):
     return vertices, faces
 
 
+def prism(index):
+    """An equilateral prism on the ground, sides of length 1, turned so that light along +x whose index is this one
+    goes through with the least deviation, through the middle of its faces."""
+    incidence = math.asin(index * math.sin(math.radians(30)))
+    turn = incidence - math.radians(30)
+    corners = [(math.cos(angle - turn) / math.sqrt(3), math.sin(angle - turn) / math.sqrt(3))
+               for angle in (math.radians(90), math.radians(210), math.radians(330))]
+    # The light enters between the first and the second corner, at z = 0.
+    shift = sum(z for _, z in corners[:2]) / 2
+    corners = [(x, z - shift) for x, z in corners]
+    vertices, faces = [], []
+
+    def facet(points, normal):
+        first = len(vertices)
+        vertices.extend((*p, *normal, 0.0, 0.0) for p in points)
+        faces.extend((first, first + k, first + k + 1) for k in range(1, len(points) - 1))
+
+    height = 1.0
+    for k, (a, b) in enumerate(zip(corners, corners[1:] + corners[:1])):
+        middle = math.radians(150 + 120 * k) - turn
+        facet([(a[0], 0, a[1]), (b[0], 0, b[1]), (b[0], height, b[1]), (a[0], height, a[1])],
+              (math.cos(middle), 0, math.sin(middle)))
+    facet([(x, height, z) for x, z in corners], (0, 1, 0))
+    facet([(x, 0, z) for x, z in reversed(corners)], (0, -1, 0))
+    return vertices, faces
+
+
 def leaf_mesh():
     return height_field(1, 1, 12, 12, lambda x, z: 0.16 * (0.5 - x * x * 1.6 - abs(z) * 0.5))
 
@@ -312,7 +339,7 @@ def leaf(size, mask):
 
 def main():
     scenes = pathlib.Path(sys.argv[1]) if len(sys.argv) > 1 else pathlib.Path(__file__).parents[1] / "scenes"
-    for name in ["door-ajar", "environment", "water-sds", "textured", "vitrine"]:
+    for name in ["door-ajar", "environment", "water-sds", "textured", "vitrine", "prism"]:
         (scenes / name).mkdir(parents=True, exist_ok=True)
     write_ply(scenes / "door-ajar/vase.ply", *vase())
     write_ply(scenes / "door-ajar/bowl.ply", *bowl())
@@ -321,6 +348,7 @@ def main():
     write_hdr(scenes / "environment/sky.hdr", 256, 128, sky(256, 128))
     write_ply(scenes / "water-sds/water.ply", *water())
     write_ply(scenes / "vitrine/stone.ply", *cut_stone())
+    write_ply(scenes / "prism/prism.ply", *prism(1.7906))
     write_ply(scenes / "textured/leaf.ply", *leaf_mesh())
     write_png(scenes / "textured/leaf.png", 256, 256, leaf(256, False))
     write_png(scenes / "textured/leaf-mask.png", 256, 256, leaf(256, True))

@@ -19,6 +19,9 @@ struct SurfaceInteraction {
     const Transform* placement = nullptr;  ///< of the instance, null outside of instances
     uint32_t primitive = 0;                ///< triangle index within the shape, 0 for analytic shapes
     Vec2f barycentric{0.0f};               ///< weights of the triangle's second and third vertex
+    /// Nanometers, of the light that indices of refraction are asked for; 0: the d line. What fills an
+    /// interaction in leaves it alone: a subpath has one wavelength.
+    float wavelength = 0;
 
     Frame frame() const { return {s, cross(ns, s), ns}; }
     Vec3f toLocal(const Vec3f& v) const { return {dot(v, s), dot(v, cross(ns, s)), dot(v, ns)}; }

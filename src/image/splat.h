@@ -1,6 +1,7 @@
 #pragma once
 #include "base/math.h"
 
+#include <cmath>
 #include <vector>
 
 namespace metrolux::core {
@@ -22,6 +23,11 @@ struct Surprise {
         archive(alone, together);
     }
 };
+
+/// What a splat counts in F(u): as its luminance where no component is negative. Where some are, as in the
+/// color of a single wavelength, luminance may vanish, and F must be positive wherever something is
+/// contributed.
+inline float magnitude(const Rgb& c) { return luminance({std::abs(c.x), std::abs(c.y), std::abs(c.z)}); }
 
 /// What one light subpath contributes: to the pixel of an eye subpath (connections and merges), or to a
 /// raster position (connections to the camera), which the film spreads with its filter.
@@ -55,11 +61,11 @@ struct SplatList {
     }
     void add(uint32_t pixel, const Rgb& value, float eyeShare) {
         pixels.push_back({pixel, value});
-        shared += std::abs(luminance(value)) * eyeShare;
+        shared += magnitude(value) * eyeShare;
     }
     void add(const Vec2f& position, const Rgb& value, float eyeShare) {
         film.push_back({position, value});
-        shared += std::abs(luminance(value)) * eyeShare;
+        shared += magnitude(value) * eyeShare;
     }
     void clear() {
         shared = 0;
@@ -68,13 +74,12 @@ struct SplatList {
         film.clear();
     }
     bool empty() const { return pixels.empty() && film.empty(); }
-    /// Sum of luminances: F(u) of docs/explain/algorithm.md section 3. Without their signs: eye subpaths in a
-    /// negative lobe of the reconstruction filter make negative splats, and F must be positive wherever
-    /// something is contributed.
+    /// Sum of magnitudes: F(u) of docs/explain/algorithm.md section 3. Without signs: eye subpaths in a
+    /// negative lobe of the reconstruction filter make negative splats.
     double size() const {
         double sum = 0;
-        for (const PixelSplat& s : pixels) sum += std::abs(luminance(s.value));
-        for (const FilmSplat& s : film) sum += std::abs(luminance(s.value));
+        for (const PixelSplat& s : pixels) sum += magnitude(s.value);
+        for (const FilmSplat& s : film) sum += magnitude(s.value);
         return sum;
     }
 };

@@ -11,6 +11,10 @@ void Integrator::renderPass(Film& film, uint32_t pass) {
     nonFinite_.add(Technique::Splat, leftOut.filmSplats);
 }
 
+Wavelength wavelengthOf(const Scene& scene, uint64_t seed, uint32_t pass) {
+    return scene.hasDispersion() ? Wavelength::ofPass(seed, pass) : Wavelength{};
+}
+
 Film makeFilm(const Scene& scene) {
     return {scene.camera().window(), ReconstructionFilter(scene.parts().filterKind, scene.parts().filter),
             scene.emissionExponent()};

@@ -1,6 +1,7 @@
 #pragma once
 #include "base/state.h"
 #include "image/film.h"
+#include "scattering/wavelength.h"
 #include "scene/scene.h"
 #include "transport/technique.h"
 
@@ -43,6 +44,9 @@ class Integrator {
   protected:
     NonFiniteCounts nonFinite_;  ///< for the passes
 };
+
+/// What all paths of a pass have in common; not given in a scene without dispersion.
+Wavelength wavelengthOf(const Scene& scene, uint64_t seed, uint32_t pass);
 
 /// An empty film for the scene's camera.
 Film makeFilm(const Scene& scene);

@@ -113,7 +113,8 @@ void checkRadius(double radius, const Scene& scene) {
 void directPass(const EyePass& pass, std::span<const uint32_t> pixels, Film& film) {
     PathLimits oneEdge = pass.limits;
     oneEdge.maxDepth = 1;
-    const Strategies strategies = Strategies::hitsAlone();
+    Strategies strategies = Strategies::hitsAlone();
+    strategies.wavelength = pass.strategies.wavelength;
     EyeVertices none;
     EyeWavefronts().run({pass.scene, oneEdge, strategies, pass.nonFinite, pass.seed, pass.pass}, pixels, film,
                         none);

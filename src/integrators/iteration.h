@@ -117,6 +117,7 @@ class IteratedIntegrator : public Integrator {
     EyePass eyePass(const Strategies& strategies, uint32_t pass) {
         return {scene_, options_.limits, strategies, nonFinite_, options_.seed, pass, eyeFactors_.get()};
     }
+    Wavelength wavelength(uint32_t pass) const { return wavelengthOf(scene_, options_.seed, pass); }
     /// Counts of merging for `samples` eye subpaths (with the boost of their density).
     void countMerges(double samples, Strategies& strategies) const;
     /// Builds grid_ and mediumGrid_ over eyes_.

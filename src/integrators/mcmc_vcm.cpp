@@ -140,6 +140,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         strategies.connect = parameters_.connections;
         if (!(strategies.connect > 0))
             strategies.connect = chains ? kChainConnections : kIndependentConnections;
+        strategies.wavelength = wavelength(pass);
         traceEyes(eyePass(strategies, pass), pixels, film);
         sortEyes();
         LightSubpathPass light = lightSubpathPass(strategies);
@@ -191,7 +192,8 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
     }
 
     void eyesAlone(Film& film, uint32_t pass, std::span<const uint32_t> pixels) {
-        const Strategies strategies = Strategies::path();
+        Strategies strategies = Strategies::path();
+        strategies.wavelength = wavelength(pass);
         traceEyes(eyePass(strategies, pass), pixels, film);
     }
 

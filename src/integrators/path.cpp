@@ -17,7 +17,8 @@ class PathIntegrator final : public Resumable<PathIntegrator> {
           pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
 
     void addPass(Film& film, uint32_t pass) override {
-        const Strategies strategies = Strategies::path();
+        Strategies strategies = Strategies::path();
+        strategies.wavelength = wavelengthOf(scene_, options_.seed, pass);
         EyeVertices none;
         wavefronts_.run({scene_, options_.limits, strategies, nonFinite_, options_.seed, pass}, pixels_, film,
                         none);
@@ -43,7 +44,8 @@ class LightIntegrator final : public Resumable<LightIntegrator> {
           pixels_(hilbertOrder(scene.camera().window().width, scene.camera().window().height)) {}
 
     void addPass(Film& film, uint32_t pass) override {
-        const Strategies strategies = Strategies::splatsAlone();
+        Strategies strategies = Strategies::splatsAlone();
+        strategies.wavelength = wavelengthOf(scene_, options_.seed, pass);
         directPass({scene_, options_.limits, strategies, nonFinite_, options_.seed, pass}, pixels_, film);
         const EyeVertices none;
         const VertexGrid grid;

@@ -31,23 +31,22 @@ class VertexAt final : public SubpathVisitor {
 /// Radiance of the emitter that an eye subpath meets with its edge number `depth`.
 class EmitterAt final : public SubpathVisitor {
   public:
-    EmitterAt(const PathPair& pair, int depth) : pair_(pair), depth_(depth) {}
+    EmitterAt(const Scene& scene, const Strategies& strategies, int depth)
+        : scene_(scene), strategies_(strategies), depth_(depth) {}
     const Rgb& value() const { return value_; }
 
     bool surface(const Vertex& v) override {
         if (v.depth < depth_) return true;
-        if (v.emitter()) value_ = hitLight(pair_.scene, pair_.strategies, v).value;
+        if (v.emitter()) value_ = hitLight(scene_, strategies_, v).value;
         return false;
     }
     void escaped(const Vec3f& from, const WalkEdge& edge, int depth) override {
-        if (depth == depth_)
-            value_ = hitEnvironment(pair_.scene, pair_.strategies, from, edge.ray.direction, edge.throughput,
-                                    edge.mis, depth)
-                         .value;
+        if (depth == depth_) value_ = hitEnvironment(scene_, strategies_, from, edge, depth).value;
     }
 
   private:
-    const PathPair& pair_;
+    const Scene& scene_;
+    const Strategies& strategies_;
     int depth_;
     Rgb value_{0.0f};
 };
@@ -68,26 +67,34 @@ void PathPair::addSplat(const Vec2f& raster, const Rgb& value, Technique techniq
     splats.film.push_back({raster, value});
 }
 
+Strategies PathPair::strategiesOf(SampleStream& eye) const {
+    Strategies result = strategies;
+    if (scene.hasDispersion() && !result.wavelength.isGiven())
+        result.wavelength = Wavelength::at(double(read(eye, layout::kWavelength)));
+    return result;
+}
+
 void PathPair::all(SampleStream& u, SplatList& splats) const {
     splats.clear();
     Streams streams(u);
+    const Strategies counts = strategiesOf(streams.eye);
     const Vec2f raster = film.reach().at(read(streams.eye, layout::kRaster));
     PathLimits indirect = limits;
     indirect.minDepth = 2;
-    const EyePass eyePass{scene, indirect, strategies, nonFinite};
+    const EyePass eyePass{scene, indirect, counts, nonFinite};
     thread_local std::vector<Vertex> eye;  // keeps its memory
     eye.clear();
     Rgb sum = eyePass.trace(streams.eye, &streams.nee, raster, film.reach().area(), 0, eye).value;
 
     if (photons)
         for (const Vertex& v : eye) {
-            const Rgb merged = photons->merge(scene, strategies, v, limits.maxDepth);
+            const Rgb merged = photons->merge(scene, counts, v, limits.maxDepth);
             if (!nonFinite.reject(merged, Technique::Merge)) sum += merged;
         }
 
     const EyeVertices none;
     const VertexGrid noGrid;
-    const LightSubpathPass lightPass{scene, limits, strategies, none, noGrid, nonFinite};
+    const LightSubpathPass lightPass{scene, limits, counts, none, noGrid, nonFinite};
     lightPass.evaluate({&streams.light, &splats}, {eye, 1});
     // Connections belong to the eye subpath's raster position, as hit and nee do.
     for (const SplatList::PixelSplat& connection : splats.pixels) sum += connection.value;
@@ -100,6 +107,7 @@ void PathPair::all(SampleStream& u, SplatList& splats) const {
 void PathPair::one(int length, SampleStream& u, SplatList& splats) const {
     splats.clear();
     Streams streams(u);
+    const Strategies counts = strategiesOf(streams.eye);
     Vec2f raster = film.reach().at(read(streams.eye, layout::kRaster));
     // (s, t) with s light vertices and t = length + 1 - s >= 1 eye vertices, the camera among them.
     const int techniques = length + 1;
@@ -112,27 +120,27 @@ void PathPair::one(int length, SampleStream& u, SplatList& splats) const {
 
     VertexAt light(s - 1), eye(t - 1);
     if (s >= 2) {
-        traceLightSubpath(scene, streams.light, limits, strategies, light);
+        traceLightSubpath(scene, streams.light, limits, counts, light);
         if (!light.canConnect()) return;
     }
     if (t == 1) {
         const Vec2f uLens = read(streams.light, layout::kSplatLens);
-        const Rgb value = connectToCamera(scene, strategies, *light.vertex(), uLens, raster).value;
+        const Rgb value = connectToCamera(scene, counts, *light.vertex(), uLens, raster).value;
         return add(value, Technique::Splat);
     }
     const float area = film.reach().area();
     if (s == 0) {
-        EmitterAt emitter(*this, length);
-        traceEyeSubpath(scene, streams.eye, limits, strategies, raster, area, 0, emitter);
+        EmitterAt emitter(scene, counts, length);
+        traceEyeSubpath(scene, streams.eye, limits, counts, raster, area, 0, emitter);
         return add(emitter.value(), Technique::Hit);
     }
-    traceEyeSubpath(scene, streams.eye, limits, strategies, raster, area, 0, eye);
+    traceEyeSubpath(scene, streams.eye, limits, counts, raster, area, 0, eye);
     if (!eye.canConnect()) return;
     if (s == 1) {
-        add(EyePass{scene, limits, strategies, nonFinite}.estimateDirect(*eye.vertex(), streams.nee).value,
+        add(EyePass{scene, limits, counts, nonFinite}.estimateDirect(*eye.vertex(), streams.nee).value,
             Technique::Nee);
     } else {
-        add(connectVertices(scene, strategies, *light.vertex(), *eye.vertex()).value, Technique::Connect);
+        add(connectVertices(scene, counts, *light.vertex(), *eye.vertex()).value, Technique::Connect);
     }
 }
 

@@ -21,6 +21,9 @@ struct PathPair {
     NonFiniteCounts& nonFinite;          ///< counts what is left out
     const PhotonMap* photons = nullptr;  ///< all() merges the eye subpath with them, if given
 
+    // Where the scene has dispersion and the strategies have no wavelength, each path has its own, a
+    // coordinate of its sample.
+
     /// All techniques of all path lengths; `splats` is cleared first.
     void all(SampleStream& u, SplatList& splats) const;
     /// One technique of paths of `length` >= 2 edges, chosen uniformly by layout::kTechnique (the inverse of
@@ -28,6 +31,8 @@ struct PathPair {
     void one(int length, SampleStream& u, SplatList& splats) const;
 
   private:
+    /// With the wavelength of a sample.
+    Strategies strategiesOf(SampleStream& eye) const;
     /// Splats outside of Film::reach() change no pixel and may not count for the size either.
     void addSplat(const Vec2f& raster, const Rgb& value, Technique technique, SplatList& splats) const;
 };

@@ -66,7 +66,8 @@ class PhotonMappingIntegrator final : public Resumable<PhotonMappingIntegrator, 
   private:
     void iterate(Film& film, uint32_t pass, std::span<const uint32_t> pixels, size_t first) override {
         const double n = double(pixels.size()), r = radius_.radius();
-        const Strategies strategies = Strategies::photonMapping();
+        Strategies strategies = Strategies::photonMapping();
+        strategies.wavelength = wavelength(pass);
         traceEyes(eyePass(strategies, pass), pixels, film);
         sortEyes();
 

@@ -50,7 +50,7 @@ double PixelImportance::sizeOf(const SplatList::FilmSplat& splat) const {
         std::clamp(static_cast<int>(std::floor(splat.position.x)) - window_.x, 0, window_.width - 1);
     const int y =
         std::clamp(static_cast<int>(std::floor(splat.position.y)) - window_.y, 0, window_.height - 1);
-    return double(std::abs(luminance(splat.value)) * values_[size_t(y) * size_t(window_.width) + size_t(x)]);
+    return double(magnitude(splat.value) * values_[size_t(y) * size_t(window_.width) + size_t(x)]);
 }
 
 double PixelImportance::size(const SplatList& splats) const {

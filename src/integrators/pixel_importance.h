@@ -32,9 +32,9 @@ class PixelImportance {
   private:
     static constexpr int kReach = 2;
 
-    /// Luminance times importance.
+    /// Magnitude times importance.
     double sizeOf(const SplatList::PixelSplat& splat) const {
-        return double(std::abs(luminance(splat.value)) * values_[splat.pixel]);
+        return double(magnitude(splat.value) * values_[splat.pixel]);
     }
     double sizeOf(const SplatList::FilmSplat& splat) const;
 

@@ -83,8 +83,9 @@ class PssmltMergeIntegrator final : public Resumable<PssmltMergeIntegrator, Iter
         if (!byStates_) byVisibility_.begin(n, r);
         const double lightSubpaths =
             byStates_ ? byStates_->effectiveSamples(n) : byVisibility_.effectiveSamples();
-        const Strategies strategies =
+        Strategies strategies =
             Strategies::bidirectional(1, lightSubpaths * std::numbers::pi * r * r, photons_.get());
+        strategies.wavelength = wavelength(pass);  // of the map, and so of all paths
         tracePixels(film, pass, pixels, strategies);
         const LightSubpathTracing tracing{scene_, options_.limits, strategies, photons_.get()};
         map_.build(byStates_ ? byStates_->make(tracing, n, pass, first) : byVisibility_.make(tracing, grid_),

@@ -67,7 +67,8 @@ class SplitMcmcIntegrator final : public Resumable<SplitMcmcIntegrator, Iterated
         const bool chains = !lightVertices_.empty();
         light_.begin(pixels.size(), radius_.radius());
         if (chains) eye_.begin(pixels.size(), radius_.radius());
-        const Strategies counts = chains ? strategies(eye_.samples(), eye_.boost()) : strategies(n, 1);
+        Strategies counts = chains ? strategies(eye_.samples(), eye_.boost()) : strategies(n, 1);
+        counts.wavelength = wavelength(pass);
 
         if (chains) {
             oldGrid_.build(lightVertices_, r);

@@ -54,6 +54,7 @@ class VcmIntegrator final : public Resumable<VcmIntegrator, IteratedIntegrator> 
         if (merge_) countMerges(n, strategies);
         strategies.eyeFactors = eyeFactors_.get();
         strategies.connect = connections_;
+        strategies.wavelength = wavelength(pass);
         traceEyes(eyePass(strategies, pass), pixels, film);
         if (merge_) sortEyes();
 

@@ -42,6 +42,7 @@ class Blend final : public Bsdf {
     }
     bool hasDeltaLobe() const override { return first_->hasDeltaLobe() || second_->hasDeltaLobe(); }
     bool isTransmissive() const override { return first_->isTransmissive() || second_->isTransmissive(); }
+    bool isDispersive() const override { return first_->isDispersive() || second_->isDispersive(); }
 
   private:
     float weight(const SurfaceInteraction& si) const { return std::clamp(weight_(si), 0.0f, 1.0f); }

@@ -89,6 +89,8 @@ class Bsdf {
     static constexpr float kNarrow = 0.1f;
     /// Light can pass through the surface (so that both sides of it scatter into each other).
     virtual bool isTransmissive() const { return false; }
+    /// Scatters light of different wavelengths (SurfaceInteraction::wavelength) differently.
+    virtual bool isDispersive() const { return false; }
 
     // In scenes with media what goes straight on is no event of a path (transport/passage.h).
 

@@ -17,28 +17,29 @@ class Dielectric final : public DeltaPair {
                                      float uLobe, const Vec2f&) const override {
         if (known.z == 0) return std::nullopt;
         float cosThetaT, etaIt, etaTi;
-        const float f = fresnelDielectric(known.z, eta_, cosThetaT, etaIt, etaTi);
+        const float f = fresnelDielectric(known.z, eta_(si), cosThetaT, etaIt, etaTi);
         const Vec3f refraction = normalize(Vec3f(-etaTi * known.x, -etaTi * known.y, cosThetaT));
         return choose(known, mode, uLobe, reflectance_(si) * f, transmittance_(si) * (1 - f), refraction,
                       etaIt);
     }
 
     Rgb albedo(const SurfaceInteraction& si) const override {
-        const float f = 0.5f * (fresnelDiffuseReflectance(eta_) + fresnelDiffuseReflectance(1 / eta_));
+        const float f = 0.5f * (fresnelDiffuseReflectance(eta_.atLineD()) +
+                                fresnelDiffuseReflectance(1 / eta_.atLineD()));
         return clampUnit(lerp(std::clamp(f, 0.0f, 1.0f), transmittance_(si), reflectance_(si)));
     }
+    bool isDispersive() const override { return eta_.isDispersive(); }
 
   private:
-    float eta_;
+    RelativeIndex eta_;
     ColorParameter reflectance_, transmittance_;
 };
 
 }  // namespace
 
 BsdfPtr makeDielectric(const DielectricParameters& parameters) {
-    if (!(parameters.eta > 0) || !std::isfinite(parameters.eta))
-        throw Error("dielectric: the relative index of refraction is {}, but must be positive",
-                    parameters.eta);
+    if (const float eta = parameters.eta.atLineD(); !(eta > 0) || !std::isfinite(eta))
+        throw Error("dielectric: the relative index of refraction is {}, but must be positive", eta);
     return std::make_shared<Dielectric>(parameters);
 }
 

@@ -1,14 +1,15 @@
 #pragma once
 #include "scattering/bsdf.h"
+#include "scattering/refractive_index.h"
 #include "scattering/texture.h"
 
 namespace metrolux::core {
 
 /// A smooth interface between two dielectrics; the normal points to the exterior.
 struct DielectricParameters {
-    float eta = 1.5046f / 1.000277f;   ///< interior over exterior index: bk7 in air
-    TexturePtr specularReflectance;    ///< factor; 1 when null
-    TexturePtr specularTransmittance;  ///< factor; 1 when null
+    RelativeIndex eta = 1.5046f / 1.000277f;  ///< bk7 in air
+    TexturePtr specularReflectance;           ///< factor; 1 when null
+    TexturePtr specularTransmittance;         ///< factor; 1 when null
 };
 /// Throws Error unless eta is positive and finite.
 BsdfPtr makeDielectric(const DielectricParameters& parameters);

@@ -39,6 +39,7 @@ class Mask final : public Bsdf {
     bool isNarrow(const SurfaceInteraction& si) const override { return nested_->isNarrow(si); }
     bool hasDeltaLobe() const override { return true; }
     bool isTransmissive() const override { return true; }
+    bool isDispersive() const override { return nested_->isDispersive(); }
     bool hasNullLobe() const override { return true; }
     NullLobe nullLobe(const SurfaceInteraction& si, const Vec3f&) const override {
         const float o = opacity(si);

@@ -58,6 +58,9 @@ class Mixture final : public Bsdf {
     bool isTransmissive() const override {
         return any([](const Bsdf& b) { return b.isTransmissive(); });
     }
+    bool isDispersive() const override {
+        return any([](const Bsdf& b) { return b.isDispersive(); });
+    }
     bool isNarrow(const SurfaceInteraction& si) const override {
         return !any([&](const Bsdf& b) { return !b.isNarrow(si); });
     }

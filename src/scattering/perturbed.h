@@ -35,6 +35,7 @@ class PerturbedBsdf : public Bsdf {
     bool hasDeltaLobe() const final { return nested_->hasDeltaLobe(); }
     bool isNarrow(const SurfaceInteraction& si) const final { return nested_->isNarrow(si); }
     bool isTransmissive() const final { return nested_->isTransmissive(); }
+    bool isDispersive() const final { return nested_->isDispersive(); }
 
   protected:
     /// The tilted normal in the local frame, of any length; where it is degenerate nothing is tilted.

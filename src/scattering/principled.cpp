@@ -13,9 +13,10 @@ using principled::Clearcoat;
 using principled::schlickWeight;
 
 /// Index ratio that the parameters stand for. Matched indices cannot refract: as in Mitsuba they are moved
-/// apart.
-float indexRatio(const PrincipledParameters& p, bool transmits) {
-    if (p.eta) return transmits && *p.eta == 1 ? 1.001f : *p.eta;
+/// apart. What transmits nothing has one index for all wavelengths.
+RelativeIndex indexRatio(const PrincipledParameters& p, bool transmits) {
+    if (p.eta && !transmits) return p.eta->atLineD();
+    if (p.eta) return !p.eta->isDispersive() && p.eta->atLineD() == 1 ? RelativeIndex(1.001f) : *p.eta;
     const float specular = transmits && p.specular == 0 ? 1e-3f : p.specular;
     return 2.0f / (1.0f - std::sqrt(0.08f * specular)) - 1.0f;
 }
@@ -56,7 +57,7 @@ class Principled final : public Bsdf {
             x -= coat;
             const Vec3f m = facets(si).sampleVisible(front ? known : -known, u);
             float cosThetaT, etaIt, etaTi;
-            const float f = fresnelDielectric(dot(known, m), eta_, cosThetaT, etaIt, etaTi);
+            const float f = fresnelDielectric(dot(known, m), eta_(si), cosThetaT, etaIt, etaTi);
             if (x < transmissionRate(w, front, f)) {
                 direction = normalize(refractAbout(known, m, cosThetaT, etaTi));
                 if (!(known.z * direction.z < 0)) return std::nullopt;
@@ -74,7 +75,9 @@ class Principled final : public Bsdf {
         const Weights w = weights(si);
         const bool reflect = wEye.z * wLight.z > 0, front = wEye.z > 0;
         if (!(reflect && front) && !(w.bsdf > 0)) return {};
-        const float eta = reflect ? 1.0f : front ? eta_ : 1.0f / eta_;  // side of wLight over side of wEye
+        const float relative = eta_(si);
+        // Side of wLight over side of wEye
+        const float eta = reflect ? 1.0f : front ? relative : 1.0f / relative;
         Vec3f m = wEye + wLight * eta;
         const float length2 = lengthSquared(m);
         if (!(length2 > 0)) return {};
@@ -83,7 +86,7 @@ class Principled final : public Bsdf {
         if (!(eyeM * wEye.z > 0 && lightM * wLight.z > 0)) return {};  // a facet seen from behind
 
         const MicrofacetDistribution distribution = facets(si);
-        const float d = distribution.d(m), f = fresnelDielectric(eyeM, eta_);
+        const float d = distribution.d(m), f = fresnelDielectric(eyeM, relative);
         const float dg = d * distribution.g1(wEye, m) * distribution.g1(wLight, m) / std::abs(wEye.z);
         const float pdfEyeSide = distribution.visiblePdfOverCosine(wEye, m, d);
         const float pdfLightSide = distribution.visiblePdfOverCosine(wLight, m, d);
@@ -115,7 +118,7 @@ class Principled final : public Bsdf {
     Rgb albedo(const SurfaceInteraction& si) const override {
         const Rgb base = baseColor_(si);
         const float metallic = metallic_(si), trans = specTrans_(si),
-                    f = principled::reflectanceAtNormal(eta_);
+                    f = principled::reflectanceAtNormal(eta_.atLineD());
         const Rgb refracted(safeSqrt(base.x), safeSqrt(base.y), safeSqrt(base.z));
         const Rgb dielectric = Rgb(f) + lerp(trans, base, refracted) * (1.0f - f) + Rgb(0.05f * sheen_(si));
         const Rgb metal = schlickMean(base);
@@ -124,6 +127,7 @@ class Principled final : public Bsdf {
     bool hasSmoothLobe() const override { return true; }
     bool hasDeltaLobe() const override { return false; }
     bool isTransmissive() const override { return !specTrans_.isZero(); }
+    bool isDispersive() const override { return eta_.isDispersive(); }
 
   private:
     /// Shares of the major lobes: diffuse base, glass, metal and coat.
@@ -157,25 +161,27 @@ class Principled final : public Bsdf {
     /// Fresnel term outside: the true dielectric one, tinted by Schlick's approximation, and metal.
     Rgb frontFresnel(const SurfaceInteraction& si, const Weights& w, const Rgb& baseColor, float f,
                      float cosine) const {
-        const float specTint = specTint_(si),
-                    weight = schlickWeight(eta_ > 1 ? cosine : refractedCosine(cosine));
+        const float specTint = specTint_(si), eta = eta_(si),
+                    weight = schlickWeight(eta > 1 ? cosine : refractedCosine(cosine, eta));
         const auto schlick = [&](const Rgb& r0) { return lerp(weight, r0, Rgb(1.0f)); };
         Rgb result((1.0f - w.metallic) * (1.0f - specTint) * f);
         if (w.metallic > 0) result += schlick(baseColor) * w.metallic;
         if (specTint > 0)
-            result += schlick(principled::tint(baseColor) * principled::reflectanceAtNormal(eta_)) *
+            result += schlick(principled::tint(baseColor) * principled::reflectanceAtNormal(eta)) *
                       ((1.0f - w.metallic) * specTint);
         return result;
     }
-    float refractedCosine(float cosine) const {
-        return safeSqrt(1.0f - (1.0f - cosine * cosine) / sqr(eta_));
+    static float refractedCosine(float cosine, float eta) {
+        return safeSqrt(1.0f - (1.0f - cosine * cosine) / sqr(eta));
     }
 
     void addClearcoat(const SurfaceInteraction& si, const Weights& w, const Vec3f& m, const Vec3f& wEye,
                       const Vec3f& wLight, float cosHalf, BsdfEvaluation& result) const {
         if (!(w.clearcoat > 0)) return;
         const Clearcoat coat(clearcoatGloss_(si));
-        const float fresnel = lerp(schlickWeight(eta_ > 1 ? cosHalf : refractedCosine(cosHalf)), 0.04f, 1.0f);
+        const float eta = eta_(si),
+                    fresnel =
+                        lerp(schlickWeight(eta > 1 ? cosHalf : refractedCosine(cosHalf, eta)), 0.04f, 1.0f);
         result.value += Rgb(0.25f * w.clearcoat * fresnel * coat.d(m) * Clearcoat::g1(wEye) *
                             Clearcoat::g1(wLight) * wLight.z);
         const float pdf = probability(coatRate(w), w, true) * coat.pdf(m) / (4.0f * cosHalf);
@@ -203,15 +209,17 @@ class Principled final : public Bsdf {
     ColorParameter baseColor_;
     ScalarParameter roughness_, anisotropic_, metallic_, specTrans_, specTint_, sheen_, sheenTint_, flatness_,
         clearcoat_, clearcoatGloss_;
-    float eta_;
+    RelativeIndex eta_;
     float diffuseRate_, specularRate_, clearcoatRate_;
 };
 
 }  // namespace
 
 BsdfPtr makePrincipled(const PrincipledParameters& p) {
-    if (p.eta && (!(*p.eta > 0) || !std::isfinite(*p.eta)))
-        throw Error("principled: eta is {}, expected a positive number", *p.eta);
+    if (p.eta && (!(p.eta->atLineD() > 0) || !std::isfinite(p.eta->atLineD())))
+        throw Error("principled: eta is {}, expected a positive number", p.eta->atLineD());
+    if (p.eta && p.eta->isDispersive() && p.eta->passesOne())
+        throw Error("principled: the index of refraction is 1 at a wavelength, expected another number");
     if (!(p.specular >= 0 && p.specular <= 1))
         throw Error("principled: specular is {}, expected a number in [0, 1]", p.specular);
     for (const float rate :

@@ -22,7 +22,7 @@ class RoughDielectric final : public Bsdf {
         if (known.z == 0) return std::nullopt;
         const Vec3f m = distribution(si).sampleVisible(known.z > 0 ? known : -known, u);
         float cosThetaT, etaIt, etaTi;
-        const float f = fresnelDielectric(dot(known, m), eta_, cosThetaT, etaIt, etaTi);
+        const float f = fresnelDielectric(dot(known, m), eta_(si), cosThetaT, etaIt, etaTi);
         const bool reflect = uLobe < f;
         const Vec3f direction =
             reflect ? reflectAbout(known, m) : normalize(refractAbout(known, m, cosThetaT, etaTi));
@@ -34,8 +34,9 @@ class RoughDielectric final : public Bsdf {
                             const Vec3f& wLight) const override {
         if (wEye.z == 0 || wLight.z == 0) return {};
         const bool reflect = wEye.z * wLight.z > 0;
+        const float relative = eta_(si);
         // Index on the side of wLight over that on the side of wEye
-        const float eta = reflect ? 1.0f : wEye.z > 0 ? eta_ : 1.0f / eta_;
+        const float eta = reflect ? 1.0f : wEye.z > 0 ? relative : 1.0f / relative;
         Vec3f m = wEye + wLight * eta;  // [Walter07, 13 and 16]
         const float length2 = lengthSquared(m);
         if (!(length2 > 0)) return {};
@@ -46,7 +47,7 @@ class RoughDielectric final : public Bsdf {
         const MicrofacetDistribution facets = distribution(si);
         const float d = facets.d(m);
         if (d == 0) return {};
-        const float f = fresnelDielectric(eyeM, eta_);
+        const float f = fresnelDielectric(eyeM, relative);
         const float dg = d * facets.g1(wEye, m) * facets.g1(wLight, m) / std::abs(wEye.z);
         const float pdfEyeSide = facets.visiblePdfOverCosine(wEye, m, d);
         const float pdfLightSide = facets.visiblePdfOverCosine(wLight, m, d);
@@ -69,13 +70,14 @@ class RoughDielectric final : public Bsdf {
     }
     bool hasDeltaLobe() const override { return false; }
     bool isTransmissive() const override { return true; }
+    bool isDispersive() const override { return eta_.isDispersive(); }
 
   private:
     MicrofacetDistribution distribution(const SurfaceInteraction& si) const {
         return {type_, alphaU_(si), alphaV_(si)};
     }
 
-    float eta_;
+    RelativeIndex eta_;
     ColorParameter reflectance_, transmittance_;
     ScalarParameter alphaU_, alphaV_;
     MicrofacetType type_;
@@ -84,11 +86,12 @@ class RoughDielectric final : public Bsdf {
 }  // namespace
 
 BsdfPtr makeRoughDielectric(const RoughDielectricParameters& parameters) {
-    if (!(parameters.eta > 0) || !std::isfinite(parameters.eta) || parameters.eta == 1)
+    const float eta = parameters.eta.atLineD();
+    if (!(eta > 0) || !std::isfinite(eta) || parameters.eta.passesOne())
         throw Error(
             "rough dielectric: the ratio of the indices of refraction is {}, expected a positive number "
             "other than 1",
-            parameters.eta);
+            eta > 0 && std::isfinite(eta) ? 1.0f : eta);
     return std::make_shared<RoughDielectric>(parameters);
 }
 

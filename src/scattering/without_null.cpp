@@ -39,6 +39,7 @@ class WithoutNull final : public Bsdf {
     bool hasDeltaLobe() const override { return nested_->hasDeltaLobe(); }
     bool isNarrow(const SurfaceInteraction& si) const override { return nested_->isNarrow(si); }
     bool isTransmissive() const override { return true; }
+    bool isDispersive() const override { return nested_->isDispersive(); }
     bool hasNullLobe() const override { return true; }
     NullLobe nullLobe(const SurfaceInteraction& si, const Vec3f& w) const override {
         return nested_->nullLobe(si, w);

@@ -28,10 +28,14 @@ Scene::Scene(SceneParts parts) : parts_(std::move(parts)) {
     chooseLights();
     fillWithMedia();
     findMedia();
+    findDispersion();
 }
 
 Scene::Scene(const Scene& other, SceneView view)
-    : parts_(other.parts_), intersector_(other.intersector_), emissionExponent_(other.emissionExponent_) {
+    : parts_(other.parts_),
+      intersector_(other.intersector_),
+      emissionExponent_(other.emissionExponent_),
+      hasDispersion_(other.hasDispersion_) {
     parts_.camera = std::move(view.camera);
     parts_.limits = view.limits;
     parts_.filterKind = view.filterKind;
@@ -53,6 +57,18 @@ Scene::Scene(const Scene& other, SceneView view)
         light->setSceneBounds(bounds_);
     }
     chooseLights();
+}
+
+void Scene::findDispersion() {
+    const auto isDispersive = [](const ShapePtr& shape) {
+        return shape->bsdf && shape->bsdf->isDispersive();
+    };
+    const auto any = [&](const std::vector<ShapePtr>& shapes) {
+        return std::any_of(shapes.begin(), shapes.end(), isDispersive);
+    };
+    hasDispersion_ = any(parts_.shapes) ||
+                     std::any_of(parts_.instances.begin(), parts_.instances.end(),
+                                 [&](const Instance& instance) { return any(instance.group->shapes); });
 }
 
 /// All surfaces and the camera.

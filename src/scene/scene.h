@@ -105,6 +105,8 @@ class Scene {
     };
     /// Whether there are any: what makes the passage through them stays out of scenes without.
     bool hasMedia() const { return !parts_.media.empty(); }
+    /// Whether any surface scatters wavelengths differently: passes have none elsewhere.
+    bool hasDispersion() const { return hasDispersion_; }
     /// Null for empty space.
     const Medium* medium(MediumIndex index) const {
         return index == 0 ? nullptr : parts_.media[index - 1].get();
@@ -127,6 +129,7 @@ class Scene {
     void findBrightness();
     void chooseLights();
     void fillWithMedia();
+    void findDispersion();
     void findMedia();
     MediumIndex mediumAt(const Vec3f& p) const;
     std::optional<MediumIndex> mediumSeen(const Vec3f& p, const Vec3f& direction) const;
@@ -135,6 +138,7 @@ class Scene {
     std::shared_ptr<const Intersector> intersector_;
     SceneBounds bounds_;
     int emissionExponent_ = 0;
+    bool hasDispersion_ = false;
     const Light* environment_ = nullptr;
     DiscreteDistribution emission_;
     std::shared_ptr<const LightSelector> connection_;

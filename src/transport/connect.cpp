@@ -14,7 +14,7 @@ EyeFinding hitLight(const Scene& scene, const Strategies& strategies, const Vert
     const Light& light = *v.emitter();
     const Rgb radiance = light.radiance(v.si, v.toPrevious);
     if (isBlack(radiance)) return {};
-    const Rgb all = radiance * v.throughput;
+    const Rgb all = strategies.seen(radiance * v.throughput, v.dispersed);
     if (v.depth == 1) return weighHit(all, {}, v.mis);
 
     const LightEdge edge = surfaceHitEdge(scene, v);
@@ -22,16 +22,16 @@ EyeFinding hitLight(const Scene& scene, const Strategies& strategies, const Vert
 }
 
 EyeFinding hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from,
-                          const Vec3f& direction, const Rgb& throughput, const MisState& mis, int depth) {
+                          const WalkEdge& edge, int depth) {
     const Light* light = scene.environment();
     if (!light) return {};
-    const Rgb radiance = light->environmentRadiance(direction);
+    const Rgb radiance = light->environmentRadiance(edge.ray.direction);
     if (isBlack(radiance)) return {};
-    const Rgb all = radiance * throughput;
-    if (depth == 1) return weighHit(all, {}, mis);
+    const Rgb all = strategies.seen(radiance * edge.throughput, edge.dispersed);
+    if (depth == 1) return weighHit(all, {}, edge.mis);
 
-    const LightEdge edge = environmentHitEdge(scene, *light, from, direction);
-    return weighHit(all, hitWeight(strategies, mis, edge.pdfNeeAtLight(), edge.pdfEmission()), mis);
+    const LightEdge last = environmentHitEdge(scene, *light, from, edge.ray.direction);
+    return weighHit(all, hitWeight(strategies, edge.mis, last.pdfNeeAtLight(), last.pdfEmission()), edge.mis);
 }
 
 EyeFinding findLight(const Vertex& eye, const PendingConnection& pending, const Rgb& visibility) {
@@ -44,7 +44,8 @@ namespace {
 /// weight, and nothing is left to ask for. False when nothing does.
 bool passMedia(const Scene& scene, const Vertex& from, PendingConnection& pending, Passage& passage) {
     if (!scene.hasMedia()) return true;
-    passage = passAlong(scene, pending.shadow, mediumBeyond(from, pending.shadow.direction));
+    passage =
+        passAlong(scene, pending.shadow, mediumBeyond(from, pending.shadow.direction), from.si.wavelength);
     pending.shadow.tMax = 0;
     return !passage.blocked();
 }
@@ -69,6 +70,7 @@ bool prepareLight(const Scene& scene, const Strategies& strategies, const Vertex
         edge.arrivalAtLight = passage.arrival();
         all *= passage.transmittance;
     }
+    all = strategies.seen(all, eye.dispersed || passage.dispersed);
 
     const EyeWeight weight = neeWeight(strategies, eye.mis, edge, s.pdfForward, s.pdfReverse);
     pending.value = all * static_cast<float>(weight.weight / choice.probability);
@@ -96,6 +98,7 @@ bool prepareCamera(const Scene& scene, const Strategies& strategies, const Verte
                                            s.pdfReverse, light.inMedium);
     pending.value = light.throughput * s.value * c->value * static_cast<float>(weight.weight);
     if (scene.hasMedia()) pending.value *= passage.transmittance;
+    pending.value = strategies.seen(pending.value, light.dispersed || passage.dispersed);
     pending.eye = weight.eye;
     return !isBlack(pending.value);
 }
@@ -126,6 +129,7 @@ bool prepareVertices(const Scene& scene, const Strategies& strategies, const Ver
     pending.value = light.throughput * l.value * eye.throughput * e.value *
                     static_cast<float>(weight.weight / distanceSquared);
     if (scene.hasMedia()) pending.value *= passage.transmittance;
+    pending.value = strategies.seen(pending.value, light.dispersed || eye.dispersed || passage.dispersed);
     pending.eye = weight.eye;
     return !isBlack(pending.value);
 }
@@ -167,9 +171,9 @@ LightFinding mergeVertices(const Strategies& strategies, const Vertex& light, co
     const VertexScattering s = scatterEye(eye, light.toPrevious);
     if (isBlack(s.value)) return {};
     const LightWeight weight = mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse);
-    return {light.throughput * eye.throughput * s.value *
-                static_cast<float>(weight.weight * inverseDiskArea / cosineLight),
-            weight.eye};
+    const Rgb value = light.throughput * eye.throughput * s.value *
+                      static_cast<float>(weight.weight * inverseDiskArea / cosineLight);
+    return {strategies.seen(value, light.dispersed || eye.dispersed), weight.eye};
 }
 
 LightFinding mergeInMedium(const Strategies& strategies, const Vertex& light, const Vertex& eye,
@@ -178,8 +182,9 @@ LightFinding mergeInMedium(const Strategies& strategies, const Vertex& light, co
     const VertexScattering s = scatterEye(eye, light.toPrevious);
     if (isBlack(s.value)) return {};
     const LightWeight weight = mergeWeight(strategies, light.mis, eye.mis, s.pdfForward, s.pdfReverse);
-    return {light.throughput * eye.throughput * s.value * static_cast<float>(weight.weight * inverseVolume),
-            weight.eye};
+    const Rgb value =
+        light.throughput * eye.throughput * s.value * static_cast<float>(weight.weight * inverseVolume);
+    return {strategies.seen(value, light.dispersed || eye.dispersed), weight.eye};
 }
 
 }  // namespace metrolux::core

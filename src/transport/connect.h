@@ -7,6 +7,8 @@
 
 namespace metrolux::core {
 
+struct WalkEdge;
+
 /// What an eye subpath finds by itself.
 struct EyeFinding {
     Rgb value{0.0f};
@@ -19,7 +21,7 @@ EyeFinding hitLight(const Scene& scene, const Strategies& strategies, const Vert
 
 /// Eye subpath leaves the scene into the environment (s = 0), see SubpathVisitor::escaped.
 EyeFinding hitEnvironment(const Scene& scene, const Strategies& strategies, const Vec3f& from,
-                          const Vec3f& direction, const Rgb& throughput, const MisState& mis, int depth);
+                          const WalkEdge& edge, int depth);
 
 /// A connection whose visibility is still to be asked for.
 struct PendingConnection {

@@ -81,9 +81,7 @@ EyeFinding EyePass::hit(const Vertex& v) const {
 
 EyeFinding EyePass::escaped(const Vec3f& from, const WalkEdge& edge, int depth) const {
     if (!countsHit(depth)) return {};
-    return finite(
-        hitEnvironment(scene, strategies, from, edge.ray.direction, edge.throughput, edge.mis, depth),
-        Technique::Hit);
+    return finite(hitEnvironment(scene, strategies, from, edge, depth), Technique::Hit);
 }
 
 EyeFinding EyePass::estimateDirect(const Vertex& v, SampleStream& nee) const {

@@ -18,14 +18,16 @@ struct Met {
     Rgb thickness{0.0f};   ///< of what a walk may stop at
     Rgb absorption{0.0f};  ///< thickness of what it may not
     Rgb factor{1.0f};      ///< of crossed surfaces, over the probability of crossing them
+    bool dispersed = false;
 
-    void cross(const NullLobe& lobe) {
+    void cross(const SurfaceInteraction& si, const NullLobe& lobe) {
+        dispersed |= si.wavelength > 0 && si.shape->bsdf->isDispersive();
         factor *= lobe.transmittance * (1 / lobe.probability);
         if (lobe.probability < 1) thickness += Rgb(-std::log(lobe.probability));
     }
     Passage passage() const {
         const Rgb survival = exponential(thickness);
-        return {factor * survival * exponential(absorption), survival};
+        return {factor * survival * exponential(absorption), survival, dispersed};
     }
 };
 
@@ -39,12 +41,13 @@ NullLobe nullLobeAt(const SurfaceInteraction& si, const Vec3f& direction) {
 
 }  // namespace
 
-Passage passAlong(const Scene& scene, const Ray& ray, MediumIndex medium) {
+Passage passAlong(const Scene& scene, const Ray& ray, MediumIndex medium, float wavelength) {
     const Vec3f& w = ray.direction;
     Met met;
     Ray rest = ray;
     for (int crossings = 0; rest.tMax > 0; ++crossings) {
         SurfaceInteraction si;
+        si.wavelength = wavelength;
         const bool found = scene.intersect(rest, si);
         const float length = found ? std::min((si.p - rest.origin).length(), rest.tMax) : rest.tMax;
         if (const Medium* m = scene.medium(medium))
@@ -52,7 +55,7 @@ Passage passAlong(const Scene& scene, const Ray& ray, MediumIndex medium) {
         if (!found) break;
         const NullLobe lobe = nullLobeAt(si, w);
         if (!(lobe.probability > 0) || crossings == kMostCrossings) return {Rgb(0.0f), Rgb(0.0f)};
-        met.cross(lobe);
+        met.cross(si, lobe);
         medium = mediumBeyond(si, w, medium);
         const Vec3f origin = offsetRayOrigin(si.p, si.ng, w);
         rest.tMax = ray.tMax - dot(origin - ray.origin, w);
@@ -97,7 +100,7 @@ WalkPassage walkAlong(const Scene& scene, const Ray& ray, const Rgb& stop, float
             result.ends = true;
             break;
         }
-        met.cross(lobe);
+        met.cross(v.si, lobe);
         v.medium = mediumBeyond(v.si, w, v.medium);
         origin = offsetRayOrigin(v.si.p, v.si.ng, w);
         found = scene.intersect({origin, w}, v.si);
@@ -105,6 +108,7 @@ WalkPassage walkAlong(const Scene& scene, const Ray& ray, const Rgb& stop, float
     const Passage passage = met.passage();
     result.forward = passage.arrival(result.ends ? v.stopDensity(-w) : Rgb(1.0f));
     result.reverse = passage.arrival(stop);
+    result.dispersed = met.dispersed;
     if (result.forward > 0)
         result.weight = passage.transmittance * static_cast<float>(1 / result.forward);
     else

@@ -18,6 +18,7 @@ struct Passage {
     /// Probability that a walk gets as far, for the channel that it has chosen to be led by. Not the
     /// transmittance: media that only absorb do not stop a walk, and null lobes may be colored.
     Rgb survival{1.0f};
+    bool dispersed = false;  ///< it has crossed a surface with dispersion
 
     bool blocked() const { return isBlack(transmittance); }
     /// Density of the vertex at the end, from that of its direction: the mean over the channels. `stop`: its
@@ -25,15 +26,16 @@ struct Passage {
     double arrival(const Rgb& stop = Rgb(1.0f)) const { return double(average(survival * stop)); }
 };
 
-/// Along a ray of finite or infinite length.
-Passage passAlong(const Scene& scene, const Ray& ray, MediumIndex medium);
+/// Along a ray of finite or infinite length, for light of a wavelength (SurfaceInteraction::wavelength).
+Passage passAlong(const Scene& scene, const Ray& ray, MediumIndex medium, float wavelength = 0);
 
 /// How an edge of a walk goes on and ends.
 struct WalkPassage {
-    bool ends = false;   ///< at a vertex; else it leaves the scene
-    Rgb weight{0.0f};    ///< of the throughput: transmittance over density
-    double forward = 1;  ///< Passage::arrival() at its end
-    double reverse = 1;  ///< at its start, for a walk from its end
+    bool ends = false;       ///< at a vertex; else it leaves the scene
+    Rgb weight{0.0f};        ///< of the throughput: transmittance over density
+    double forward = 1;      ///< Passage::arrival() at its end
+    double reverse = 1;      ///< at its start, for a walk from its end
+    bool dispersed = false;  ///< Passage::dispersed
 };
 
 /// Follows a walk along `ray`, which starts in v.medium. `found`: whether it meets a surface at v.si. Sets

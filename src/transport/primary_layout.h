@@ -27,8 +27,9 @@ inline constexpr Two kSplatLens{6};   ///< point of the lens that its vertices a
 inline constexpr Two kRaster{0};
 inline constexpr Two kLens{2};
 inline constexpr Two kFilter{4};
-inline constexpr One kTechnique{4};  ///< of a multiplexed path (PathPair::one)
-inline constexpr One kLength{5};     ///< of a multiplexed path
+inline constexpr One kTechnique{4};   ///< of a multiplexed path (PathPair::one)
+inline constexpr One kLength{5};      ///< of a multiplexed path
+inline constexpr One kWavelength{6};  ///< of a complete path in a scene with dispersion
 
 /// The block of a vertex, in either subpath.
 inline constexpr One kLobe{0};

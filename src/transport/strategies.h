@@ -1,5 +1,6 @@
 #pragma once
 #include "base/math.h"
+#include "scattering/wavelength.h"
 #include "spatial/photon_density.h"
 #include "transport/eye_factors.h"
 
@@ -28,6 +29,12 @@ struct Strategies {
     const PhotonDensity* photons = nullptr;
     /// Of what eye subpaths find alone; null: 1.
     const EyeFactors* eyeFactors = nullptr;
+
+    /// Of all paths; not given in scenes without dispersion.
+    Wavelength wavelength = {};
+
+    /// What is seen of a value that has come by a path with dispersion (Vertex::dispersed) or without.
+    Rgb seen(const Rgb& value, bool dispersed) const { return dispersed ? value * wavelength.color : value; }
 
     /// Factor of `hit` and `nee` for the paths of a class.
     double eyeFactor(const PathClass& c) const { return eyeFactors ? eyeFactors->at(c) : 1.0; }

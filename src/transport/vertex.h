@@ -19,6 +19,7 @@ struct Vertex {
     Rgb throughput{0.0f};    ///< product of value / density up to the arrival at this vertex
     MediumIndex medium = 0;  ///< through which the subpath has come
     bool inMedium = false;   ///< it is a point of `medium`, not of a surface
+    bool dispersed = false;  ///< it or a vertex before lies on a surface with dispersion
     MisState mis;            ///< at arrival
     uint32_t pixel = 0;      ///< eye subpaths: index in the rendered window
     int depth = 0;           ///< edges between the endpoint and this vertex
@@ -31,6 +32,8 @@ struct Vertex {
     /// Whether merging finds too few photons for the lobe (Bsdf::isNarrow).
     bool isNarrow() const { return bsdf().isNarrow(si); }
     Rgb albedo() const { return bsdf().albedo(si); }
+    /// Whether it matters which wavelength the subpath has.
+    bool isDispersive() const { return si.wavelength > 0 && bsdf().isDispersive(); }
     /// Null unless it lies on an area light.
     const Light* emitter() const { return si.shape->emitter.get(); }
     /// Factor of a direction in all densities per area and geometric factors: |cos| with the geometric

@@ -16,8 +16,9 @@ namespace metrolux::core {
 struct WalkEdge {
     Ray ray;
     Rgb throughput{0.0f};
-    MisState mis;        ///< after scattering, before arrival
-    bool delta = false;  ///< scattered by a delta lobe
+    MisState mis;            ///< after scattering, before arrival
+    bool delta = false;      ///< scattered by a delta lobe
+    bool dispersed = false;  ///< Vertex::dispersed of what it leaves, or it has crossed such a surface
     // In scenes with media:
     MediumIndex medium = 0;  ///< in which the ray starts
     Rgb stop{1.0f};          ///< stopDensity() of the vertex at its start
@@ -64,6 +65,7 @@ bool scatter(const WalkRules& walk, const Vertex& v, float uLobe, const Vec2f& u
     const double cosine = v.cosine(direction);
     if (!(cosine > 0)) return false;
     next.mis = v.mis;
+    next.dispersed = v.dispersed;
     next.delta = s->delta;
     if (s->delta) {
         double solidAngleRatio = 1;
@@ -97,10 +99,12 @@ inline bool passMedia(const WalkRules& walk, SampleStream& stream, int depth, bo
                       Vertex& v) {
     if (!walk.scene.hasMedia()) return found;
     v.medium = edge.medium;
+    v.si.wavelength = walk.strategies.wavelength.nanometers;
     const WalkPassage passage =
         walkAlong(walk.scene, edge.ray, edge.stop,
                   read(stream, layout::kDistance, layout::distanceBlockOf(depth)), found, v);
     edge.throughput *= passage.weight;
+    edge.dispersed |= passage.dispersed;
     edge.mis.pass(passage.forward, passage.reverse);
     return passage.ends;
 }
@@ -116,6 +120,7 @@ inline bool arrive(const WalkEdge& edge, const Vec3f& from, bool& certain, Verte
     v.mis.arrive(sqr(double(v.distanceToPrevious)), cosine);
     v.toPrevious = -edge.ray.direction;
     v.throughput = edge.throughput;
+    v.dispersed = edge.dispersed || v.isDispersive();
     certain &= edge.delta;
     ++v.depth;
     return true;
@@ -156,6 +161,8 @@ inline bool arriveFromCamera(const WalkRules& walk, const WalkEdge& first, uint3
     v.mis.arrive(camera.isInfinite() ? 1.0 : sqr(double(v.distanceToPrevious)), cosine);
     v.toPrevious = -first.ray.direction;
     v.throughput = first.throughput;
+    v.si.wavelength = walk.strategies.wavelength.nanometers;
+    v.dispersed = first.dispersed || v.isDispersive();
     v.pixel = pixel;
     v.depth = 1;
     return true;
@@ -182,6 +189,7 @@ inline bool passMedia(const WalkRules& walk, SampleStream& stream, bool found, L
     if (!walk.scene.hasMedia()) return found;
     const float u = read(stream, layout::kDistance, layout::distanceBlockOf(1));
     v.medium = walk.scene.mediumOf(*start.choice.light, start.point);
+    v.si.wavelength = walk.strategies.wavelength.nanometers;
     start.passage = walkAlong(walk.scene, start.ray, Rgb(1.0f), u, found, v);
     start.point.weight *= start.passage.weight;
     return start.passage.ends;
@@ -194,6 +202,8 @@ inline bool arriveFromLight(const WalkRules& walk, const LightStart& start, Vert
     v.distanceToPrevious = (v.si.p - point.origin).length();
     v.toPrevious = -point.direction;
     v.throughput = point.weight * (1.0f / start.choice.probability);
+    v.si.wavelength = walk.strategies.wavelength.nanometers;
+    v.dispersed = start.passage.dispersed || v.isDispersive();
     v.mis = MisState::arriveFromLight(walk.strategies, emittedEdge(walk.scene, start, v));
     v.depth = 1;
     return true;

@@ -130,6 +130,10 @@ const char* const kMedia =
 const char* const kHaze =
     "path: cannot find the caustic of a light of no size; sppm, vpt: merging in media darkens";
 
+const char* const kSlit =
+    "path: cannot find the light of a lamp of no size behind glass; sppm, vpt: blur a thin beam; path chains: "
+    "light so rare that some thousand steps depend on a few starts";
+
 const std::vector<Case> kCases{
     {"cloud", "cloud/scene.xml", false, kInMedia, kMedia},
     {"door_ajar", "door-ajar/scene.xml", false, kSplitAlone, kAjar},
@@ -139,6 +143,7 @@ const std::vector<Case> kCases{
     {"haze", "haze/scene.xml", false, kInHaze, kHaze},
     {"mis", "mis/scene.xml", false, together(kSplitAlone, kChains), kGlossy},
     {"murky_pool", "murky-pool/scene.xml", false, kInWater, kMergingNeeded},
+    {"prism", "prism/scene.xml", false, kInHaze, kSlit},
     {"spot_directional", "spot-directional/scene.xml", false, kMergingOnly, kMergingNeeded},
     {"textured", "textured/scene.xml", false, together(kWithPathChains, kChains), kGlossy},
     {"tinted_glass", "tinted-glass/scene.xml", false, kMergingOnly, kMergingNeeded},

@@ -35,7 +35,7 @@ std::string nameOf(const Case& c) {
                                  "Directional", "Constant",          "EnvironmentMap", "SunSky",
                                  "Many",        "ManyAndEnvironment"};
     constexpr std::array kLenses{"", "ThinLens", "Orthographic", "Panorama", "Fisheye"};
-    constexpr std::array kMaterials{"", "MixedLobes", "ShadingNormals", "Layered", "Media"};
+    constexpr std::array kMaterials{"", "MixedLobes", "ShadingNormals", "Layered", "Media", "Dispersive"};
     std::string name = kLights[static_cast<size_t>(c.lighting)];
     name += kLenses[static_cast<size_t>(c.lens)];
     name += kMaterials[static_cast<size_t>(c.materials)];
@@ -84,6 +84,13 @@ std::vector<Case> media() {
     return cases;
 }
 
+std::vector<Case> dispersion() {
+    std::vector<Case> cases;
+    for (const Lighting l : {Lighting::Area, Lighting::Point, Lighting::Constant})
+        cases.push_back({l, true, 1, Lens::Pinhole, Materials::Dispersive, 3000, 1.7});
+    return cases;
+}
+
 /// A density of photons that makes the shares of merging differ from vertex to vertex.
 void countPhotons(const Scene& scene, PhotonDensity& photons) {
     constexpr int kSubpaths = 2000;
@@ -116,6 +123,7 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
     n.connect = c.connect;
     n.nee *= c.nee;
     if (c.materials == Materials::Media) n.mergeInMedia = 0.7;
+    if (c.materials == Materials::Dispersive) n.wavelength = {kGlassWavelength, Rgb(1.0f)};
     // Half of the cases with factors of what eye subpaths find alone.
     EyeFactors factors(scene.camera().window());
     CounterRng rng(7);
@@ -193,6 +201,8 @@ TEST_P(MisOracle, RecursiveWeightsEqualBruteForceAndSumToOne) {
 INSTANTIATE_TEST_SUITE_P(Lights, MisOracle, ::testing::ValuesIn(everyLight()),
                          [](const auto& i) { return nameOf(i.param); });
 INSTANTIATE_TEST_SUITE_P(Media, MisOracle, ::testing::ValuesIn(media()),
+                         [](const auto& i) { return nameOf(i.param); });
+INSTANTIATE_TEST_SUITE_P(Dispersion, MisOracle, ::testing::ValuesIn(dispersion()),
                          [](const auto& i) { return nameOf(i.param); });
 INSTANTIATE_TEST_SUITE_P(Scenes, MisOracle, ::testing::ValuesIn(everyCombination()),
                          [](const auto& i) { return nameOf(i.param); });

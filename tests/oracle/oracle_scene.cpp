@@ -11,9 +11,12 @@
 #include "scattering/mixture.h"
 #include "scattering/null_bsdf.h"
 #include "scattering/plastic.h"
+#include "scattering/rough_dielectric.h"
 #include "scattering/rough_diffuse.h"
 #include "scattering/textures/bitmap_texture.h"
 #include "support/small_scenes.h"
+
+#include <array>
 
 namespace metrolux::core::test {
 
@@ -23,6 +26,18 @@ BsdfPtr glass() {
     DielectricParameters p;
     p.eta = kGlassEta;
     return makeDielectric(p);
+}
+
+RelativeIndex dispersiveIndex() {
+    const double a = 1.2, square = sqr(1e-3 * double(kGlassWavelength));
+    return {Dispersion::cauchy(std::array{a, (double(kGlassEta) - a) * square}), 1};
+}
+
+BsdfPtr roughGlass(const RelativeIndex& eta) {
+    RoughDielectricParameters p;
+    p.eta = eta;
+    p.alphaU = p.alphaV = constant(Rgb(0.3f));
+    return makeRoughDielectric(p);
 }
 
 BsdfPtr roughMetal() {
@@ -95,6 +110,7 @@ BsdfPtr veil() {
 
 struct Palette {
     BsdfPtr floor = diffuse(0.7f), wall = roughMetal(), ball = glass(), smallBall = diffuse(0.5f);
+    BsdfPtr water = glass();
     BsdfPtr screen;  ///< upright in the room; none without
 };
 
@@ -130,6 +146,10 @@ Palette paletteOf(Materials materials, const BsdfPtr& veil) {
         p.screen = veil;
     }
     if (materials == Materials::Media) p.screen = veil;
+    if (materials == Materials::Dispersive) {
+        p.ball = p.water = makeDielectric({dispersiveIndex()});
+        p.smallBall = roughGlass(dispersiveIndex());
+    }
     if (materials == Materials::Layered) {
         p.floor = coated(diffuse(0.6f), {});
         p.wall = coated(roughMetal(), MicrofacetDistribution(MicrofacetType::Ggx, 0.3f, 0.3f));
@@ -156,9 +176,9 @@ void addSurfaces(SceneBuilder& b, Materials materials, const BsdfPtr& veil) {
     }
     // Water above a part of the floor: an odd number of refractions, so that wrong factors do not cancel.
     if (shading)
-        b.add(leaning({3, 0.4f, 0}, {0, 1, 0}, 2, 4, {0, 0, 1}), glass());
+        b.add(leaning({3, 0.4f, 0}, {0, 1, 0}, 2, 4, {0, 0, 1}), palette.water);
     else
-        b.add(rectangle({3, 0.4f, 0}, {0, 1, 0}, 2, 4), glass());
+        b.add(rectangle({3, 0.4f, 0}, {0, 1, 0}, 2, 4), palette.water);
     b.add(makeSphere(Transform(), {-1.2f, 0.6f, 0.5f}, 0.5f, false), palette.smallBall);
     if (palette.screen) b.add(rectangle(kVeilCenter, {0, 0, 1}, kVeilX, kVeilY), palette.screen);
 }

@@ -9,6 +9,8 @@
 namespace metrolux::core::test {
 
 inline constexpr float kGlassEta = 1.5f;
+/// At which the glass of Materials::Dispersive has that index, in nanometers; at the d line it has 1.38.
+inline constexpr float kGlassWavelength = 450;
 inline constexpr int kImageWidth = 32, kImageHeight = 24;
 
 enum class Lighting {
@@ -29,11 +31,12 @@ enum class Lighting {
 };
 enum class Lens { Pinhole, Thin, Orthographic, Panorama, Fisheye };
 enum class Materials {
-    Plain,    ///< each either delta or not
-    Mixed,    ///< smooth coats, blends and masks: delta and other lobes at one point
-    Shading,  ///< shading normals other than the geometric ones
-    Layered,  ///< coatings, mixtures, rough diffuse, a diffuse transmitter
-    Media     ///< in colored fog, with a ball of denser one, a veil, and glass that absorbs
+    Plain,      ///< each either delta or not
+    Mixed,      ///< smooth coats, blends and masks: delta and other lobes at one point
+    Shading,    ///< shading normals other than the geometric ones
+    Layered,    ///< coatings, mixtures, rough diffuse, a diffuse transmitter
+    Media,      ///< in colored fog, with a ball of denser one, a veil, and glass that absorbs
+    Dispersive  ///< glass, smooth and rough, whose index depends on the wavelength
 };
 
 /// The camera, described once more: its densities are computed here from its parameters.

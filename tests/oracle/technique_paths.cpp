@@ -94,10 +94,7 @@ void TechniquePaths::hits() {
         const Rgb all = environment->environmentRadiance(path.toLight) * edge.throughput;
         if (!isBlack(all))
             check_({"hit", 0}, path,
-                   ratio(hitEnvironment(scene_, n_, eye_.escapeFrom, path.toLight, edge.throughput, edge.mis,
-                                        eye_.escapeDepth)
-                             .value,
-                         all));
+                   ratio(hitEnvironment(scene_, n_, eye_.escapeFrom, edge, eye_.escapeDepth).value, all));
     }
     for (size_t j = 1; j < e.size(); ++j) {
         const Light* light = e[j].si.shape->emitter.get();

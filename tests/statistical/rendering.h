@@ -85,16 +85,17 @@ inline void expectRadiance(const BlockStatistics& statistics, double expected, d
 }
 
 /// Welch's test of each block of two sets of renders. `detectable` as above, for the mean over blocks:
-/// relative to the image's mean.
+/// relative to the image's mean. Of the green channel, or of all.
 inline void expectSame(const BlockStatistics& a, const BlockStatistics& b, double detectable,
-                       const std::string& what) {
+                       const std::string& what, bool colors = false) {
     double sumOfCritical = 0;
     int blocks = 0;
-    for (size_t i = 1; i < a.size(); i += 3) {
+    for (size_t i = colors ? 0 : 1; i < a.size(); i += colors ? 1 : 3) {
         const double level = comparisonLevel();
         const WelchResult r = welch(a.mean(i), a.varianceOfMean(i), a.degreesOfFreedom(), b.mean(i),
                                     b.varianceOfMean(i), b.degreesOfFreedom());
-        EXPECT_GT(r.pValue, level) << what << ": block " << i / 3 << " is " << a.mean(i) << " and "
+        EXPECT_GT(r.pValue, level) << what << ": "
+                                   << "RGB"[i % 3] << " of block " << i / 3 << " is " << a.mean(i) << " and "
                                    << b.mean(i) << ", standard error of the difference " << r.standardError;
         if (!(r.standardError > 0)) continue;
         const boost::math::students_t distribution(r.degreesOfFreedom);

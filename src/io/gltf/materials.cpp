@@ -10,6 +10,7 @@ namespace {
 using namespace mitsuba;
 
 constexpr const char* kTransmission = "KHR_materials_transmission";
+constexpr const char* kDispersion = "KHR_materials_dispersion";
 constexpr const char* kVolume = "KHR_materials_volume";
 constexpr const char* kClearcoat = "KHR_materials_clearcoat";
 constexpr const char* kSpecular = "KHR_materials_specular";
@@ -116,7 +117,7 @@ ElementPtr Materials::bsdf(int64_t material, bool colored) {
 
 ElementPtr Materials::makeBsdf(const Node& material, bool colored) {
     for (const char* left : {"KHR_materials_sheen", "KHR_materials_anisotropy", "KHR_materials_iridescence",
-                             "KHR_materials_dispersion", "KHR_materials_diffuse_transmission"})
+                             "KHR_materials_diffuse_transmission"})
         if (isPresent(material.extension(left)))
             warn(material, fmt::format("{} is not supported: it is left out", left));
     const bool transmits = material.extension(kTransmission).number("transmissionFactor", 0) > 0;
@@ -180,6 +181,15 @@ ElementPtr Materials::surface(const Node& material, bool colored) {
     if (!isThin) scalar("metallic", mixed, 2, metallic);
     if (transmitted > 0) scalar("spec_trans", transmission.at("transmissionTexture"), 0, transmitted);
     result.with("eta", indexOf(material));
+    if (const double dispersion = material.extension(kDispersion).number("dispersion", 0); dispersion != 0) {
+        if (!(dispersion > 0))
+            throw material.error(
+                fmt::format("found \"dispersion\" {}, expected a number that is not negative", dispersion));
+        if (isThin || !(transmitted > 0))
+            warn(material, "KHR_materials_dispersion has no effect where nothing refracts");
+        else
+            result.with("abbe", 20 / dispersion);
+    }
     if (const Node coat = material.extension(kClearcoat); isPresent(coat)) {
         warn(material, "KHR_materials_clearcoat is read as the coat of the principled model, the nearest");
         if (!isThin) {

@@ -4,6 +4,7 @@
 #include "io/mitsuba/context.h"
 #include "scattering/ior_table.h"
 #include "scattering/microfacet.h"
+#include "scattering/refractive_index.h"
 
 namespace metrolux::core::mitsuba {
 
@@ -30,6 +31,15 @@ struct BsdfSource {
     float relativeIor(const std::string& interior) const {
         return ior("int_ior", interior) / ior("ext_ior", "air");
     }
+    /// The same as relativeIor(), or with dispersion if the element has one of
+    ///   abbe        number, with int_ior as the index at the d line
+    ///   cauchy      "A, B" or "A, B, C"
+    ///   sellmeier   "B1, B2, B3, C1, C2, C3", or fewer or more of both
+    ///   glass       name of a material (Dispersion::named)
+    /// Lengths are in micrometers. Throws Error for more than one of them, and for what Dispersion refuses.
+    RelativeIndex indexWithDispersion(const std::string& interior) const;
+    /// With the element's Abbe number. Throws Error for what Dispersion refuses.
+    RelativeIndex indexByAbbeNumber(float interior, float exterior) const;
     MicrofacetType distribution() const;
 
     /// The nested BSDFs, in order.

@@ -66,19 +66,19 @@ BsdfPtr diffuse(const BsdfSource& s) { return makeDiffuse({s.color("reflectance"
 
 BsdfPtr dielectric(const BsdfSource& s) {
     return s.make(makeDielectric,
-                  DielectricParameters{s.relativeIor("bk7"), s.color("specular_reflectance", 1),
+                  DielectricParameters{s.indexWithDispersion("bk7"), s.color("specular_reflectance", 1),
                                        s.color("specular_transmittance", 1)});
 }
 
 BsdfPtr thinDielectric(const BsdfSource& s) {
     return s.make(makeThinDielectric,
-                  ThinDielectricParameters{s.relativeIor("bk7"), s.color("specular_reflectance", 1),
+                  ThinDielectricParameters{s.indexWithDispersion("bk7"), s.color("specular_reflectance", 1),
                                            s.color("specular_transmittance", 1)});
 }
 
 BsdfPtr roughDielectric(const BsdfSource& s) {
     RoughDielectricParameters p;
-    p.eta = s.relativeIor("bk7");
+    p.eta = s.indexWithDispersion("bk7");
     p.specularReflectance = s.color("specular_reflectance", 1);
     p.specularTransmittance = s.color("specular_transmittance", 1);
     p.distribution = s.distribution();
@@ -169,9 +169,13 @@ BsdfPtr principled(const BsdfSource& s) {
     p.metallic = s.scalar("metallic", 0);
     p.clearcoat = s.scalar("clearcoat", 0);
     p.clearcoatGloss = s.scalar("clearcoat_gloss", 0);
-    if (e.has("eta") && e.has("specular"))
-        throw e.error("found both \"eta\" and \"specular\", expected one of the two");
-    if (e.has("eta")) p.eta = e.number("eta", 1.5f);
+    if ((e.has("eta") || e.has("abbe")) && e.has("specular"))
+        throw e.error(fmt::format("found both \"{}\" and \"specular\", expected one of the two",
+                                  e.has("eta") ? "eta" : "abbe"));
+    if (e.has("abbe"))
+        p.eta = s.indexByAbbeNumber(e.number("eta", 1.5f), 1);
+    else if (e.has("eta"))
+        p.eta = e.number("eta", 1.5f);
     p.specular = e.number("specular", 0.5f);
     p.mainSpecularSamplingRate = e.number("main_specular_sampling_rate", 1);
     p.clearcoatSamplingRate = e.number("clearcoat_sampling_rate", 1);

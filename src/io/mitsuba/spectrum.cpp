@@ -1,6 +1,6 @@
 #include "io/mitsuba/spectrum.h"
 
-#include "io/mitsuba/cie1931.h"
+#include "scattering/cie1931.h"
 
 namespace metrolux::core::mitsuba {
 
@@ -8,10 +8,6 @@ namespace {
 
 /// Mitsuba's MI_CIE_Y_NORMALIZATION: the integral of the observer's Y against D65 (100 at 560 nm), over 100.
 constexpr double kNormalization = 1.0 / 106.7502593994140625;
-
-struct Xyz {
-    double x = 0, y = 0, z = 0;
-};
 
 /// Planck's law: W per m^2 per sr per nm.
 double planck(double nanometers, double kelvin) {
@@ -32,16 +28,6 @@ double interpolate(const SpectrumValue& s, double nanometers) {
     return (1 - t) * s.values[i] + t * s.values[i + 1];
 }
 
-Xyz observer(double nanometers) {
-    const double t = (nanometers - kCieFirst) * ((kCieSamples - 1) / (kCieLast - kCieFirst));
-    const int i = std::clamp(static_cast<int>(t), 0, kCieSamples - 2);
-    const double w = t - i;
-    const auto at = [&](const std::array<float, kCieSamples>& table) {
-        return (1 - w) * table[static_cast<size_t>(i)] + w * table[static_cast<size_t>(i) + 1];
-    };
-    return {at(kCieX), at(kCieY), at(kCieZ)};
-}
-
 /// Mitsuba's rule: 1000 points from end to end, each with a thousandth of the interval.
 Xyz integrate(const SpectrumValue& s) {
     constexpr int kSteps = 1000;
@@ -50,7 +36,7 @@ Xyz integrate(const SpectrumValue& s) {
         const double nanometers = kCieFirst + (kCieLast - kCieFirst) * i / (kSteps - 1);
         const double value = s.blackbodyKelvin > 0 ? planck(nanometers, s.blackbodyKelvin) * s.values[0]
                                                    : interpolate(s, nanometers);
-        const Xyz o = observer(nanometers);
+        const Xyz o = cieObserver(nanometers);
         sum.x += o.x * value;
         sum.y += o.y * value;
         sum.z += o.z * value;
@@ -59,17 +45,10 @@ Xyz integrate(const SpectrumValue& s) {
     return {sum.x * scale, sum.y * scale, sum.z * scale};
 }
 
-/// ITU-R BT.709 primaries, D65.
-Rgb toRgb(const Xyz& c) {
-    return {static_cast<float>(3.240479 * c.x - 1.537150 * c.y - 0.498535 * c.z),
-            static_cast<float>(-0.969256 * c.x + 1.875991 * c.y + 0.041556 * c.z),
-            static_cast<float>(0.055648 * c.x - 0.204043 * c.y + 1.057311 * c.z)};
-}
-
 Rgb convert(const SpectrumValue& s) {
     if (s.values.empty()) return Rgb(0.0f);
     if (s.wavelengths.empty() && !(s.blackbodyKelvin > 0)) return Rgb(s.values[0]);
-    return toRgb(integrate(s));
+    return rec709Of(integrate(s));
 }
 
 Rgb clampBelow(const Rgb& c) { return {std::max(c.x, 0.0f), std::max(c.y, 0.0f), std::max(c.z, 0.0f)}; }

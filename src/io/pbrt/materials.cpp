@@ -29,6 +29,15 @@ struct MaterialMaker {
         return indexOfRefraction(p, name, fallback, reading());
     }
 
+    /// Of glass in vacuum, with dispersion if pbrt's name says which glass.
+    void addIndex(const char* name, Maker& result) const {
+        if (const auto glass = namedGlass(p, name))
+            result.with("glass", *glass);
+        else
+            result.with("int_ior", eta(name, 1.5));
+        result.with("ext_ior", 1.0);
+    }
+
     Maker element(const char* type) const { return {"bsdf", type, p.where()}; }
     ElementPtr twoSided(ElementPtr nested) const {
         return Maker("bsdf", "twosided", p.where()).containing(std::move(nested)).done();
@@ -134,14 +143,12 @@ struct MaterialMaker {
 
     ElementPtr glass(const char* etaName, double roughnessFallback) const {
         auto result = faceted("dielectric", "roughdielectric", roughness("", roughnessFallback));
-        result.with("int_ior", eta(etaName, 1.5));
-        result.with("ext_ior", 1.0);
+        addIndex(etaName, result);
         return result.done();
     }
     ElementPtr thinGlass() const {
         auto result = element("thindielectric");
-        result.with("int_ior", eta("eta", 1.5));
-        result.with("ext_ior", 1.0);
+        addIndex("eta", result);
         return result.done();
     }
 

@@ -223,6 +223,16 @@ double indexOfRefraction(const Parameters& parameters, const std::string& name, 
     return value;
 }
 
+std::optional<std::string> namedGlass(const Parameters& parameters, const std::string& name) {
+    constexpr std::string_view kPrefix = "glass-";
+    const Parameter* p = parameters.find(name);
+    if (!p || p->type != "spectrum" || p->strings.size() != 1) return std::nullopt;
+    if (!lookUp(kGlasses, p->strings[0])) return std::nullopt;
+    const std::string glass = p->strings[0].substr(kPrefix.size());
+    // pbrt calls the flints SF5, SF10 and SF11 by shorter names.
+    return glass.starts_with("F") && !glass.starts_with("FK") ? "S" + glass : glass;
+}
+
 ConductorColors conductorColors(const Parameters& parameters, const std::string& prefix,
                                 const ColorSpace& space, Reading& reading) {
     const auto copper = namedConductor("Cu");

@@ -33,6 +33,9 @@ Rgb lightColor(const Parameter& parameter, const ColorSpace& space, Reading& rea
 double indexOfRefraction(const Parameters& parameters, const std::string& name, double fallback,
                          Reading& reading);
 
+/// The name that Dispersion knows it by, if the parameter is the name of a glass.
+std::optional<std::string> namedGlass(const Parameters& parameters, const std::string& name);
+
 /// Of a conductor: both of "eta" and "k" or of another prefix, by name or by value. Copper if absent.
 struct ConductorColors {
     Rgb eta, k;

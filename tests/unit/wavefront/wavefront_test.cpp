@@ -54,6 +54,9 @@ void expectSameBits(const EyeResult& a, const EyeResult& b) {
         ASSERT_EQ(v.toPrevious, w.toPrevious);
         ASSERT_EQ(v.throughput, w.throughput);
         ASSERT_EQ(v.depth, w.depth);
+        ASSERT_EQ(v.dispersed, w.dispersed);
+        ASSERT_EQ(v.si.wavelength, kWavelength.nanometers);
+        ASSERT_EQ(w.si.wavelength, kWavelength.nanometers);
         ASSERT_EQ(v.pixel, w.pixel);
         ASSERT_EQ(v.mis.dVCM, w.mis.dVCM);
         ASSERT_EQ(v.mis.dEnd, w.mis.dEnd);
@@ -64,13 +67,20 @@ void expectSameBits(const EyeResult& a, const EyeResult& b) {
     }
 }
 
+/// With dispersion: what has it must be known in both forms.
+std::shared_ptr<Scene> flintScene(bool fog) {
+    return test::glassScene(fog, {RelativeIndex(*Dispersion::named("SF11"), 1)});
+}
+const Wavelength kWavelength = Wavelength::at(0.3);
+
 /// In the scene without and with fog.
 class EyeWavefrontsIn : public ::testing::TestWithParam<bool> {};
 class LightSubpathWavefrontIn : public ::testing::TestWithParam<bool> {};
 
 TEST_P(EyeWavefrontsIn, GiveTheBitsOfTheDefinitionOnOneAndTwoThreads) {
-    const std::shared_ptr<Scene> scene = test::glassScene(GetParam());
-    for (const Strategies& strategies : {Strategies::bidirectional(1, 0.1), Strategies::photonMapping()}) {
+    const std::shared_ptr<Scene> scene = flintScene(GetParam());
+    for (Strategies strategies : {Strategies::bidirectional(1, 0.1), Strategies::photonMapping()}) {
+        strategies.wavelength = kWavelength;
         const EyeResult alone = eyeResult(
             *scene, strategies, [](const EyePass& pass, auto&& pixels, Film& film, EyeVertices& eyes) {
                 pass.run(pixels, film, eyes);
@@ -81,11 +91,12 @@ TEST_P(EyeWavefrontsIn, GiveTheBitsOfTheDefinitionOnOneAndTwoThreads) {
 }
 
 TEST_P(LightSubpathWavefrontIn, GivesTheBitsOfTheDefinition) {
-    const std::shared_ptr<Scene> scene = test::glassScene(GetParam());
+    const std::shared_ptr<Scene> scene = flintScene(GetParam());
     const PathLimits limits = scene->parts().limits;
     Film film = test::gaussianFilm(*scene);
     EyeVertices eyes;
-    const Strategies forEyes = Strategies::bidirectional(1, 0.1);
+    Strategies forEyes = Strategies::bidirectional(1, 0.1);
+    forEyes.wavelength = kWavelength;
     NonFiniteCounts nonFinite;
     EyePass{*scene, limits, forEyes, nonFinite, 7, 0}.run(hilbertOrder(film.width(), film.height()), film,
                                                           eyes);
@@ -96,6 +107,7 @@ TEST_P(LightSubpathWavefrontIn, GivesTheBitsOfTheDefinition) {
     photons.endIteration(1000);
     Strategies strategies = Strategies::bidirectional(1, 0.1, &photons);
     strategies.connect = 0.5;
+    strategies.wavelength = kWavelength;
     strategies.mergeInMedia = GetParam() ? 0.6 : 0;
     LightSubpathPass pass{*scene, limits, strategies, eyes, grid, nonFinite};
     VertexGrid mediumGrid;

@@ -1,6 +1,6 @@
-#include "io/mitsuba/cie1931.h"
+#include "scattering/cie1931.h"
 
-namespace metrolux::core::mitsuba {
+namespace metrolux::core {
 
 // CIE 1931 2-degree color matching functions (CIE 018:2019 and earlier tables), 360 to 830 nm in steps of 5
 // nm.
@@ -37,4 +37,20 @@ const std::array<float, kCieSamples> kCieZ = {
     0.00034f, 0.00024f, 0.00019f, 0.0001f, 4.999999e-05f, 3e-05f, 2e-05f, 1e-05f};  // zero beyond 645 nm
 // clang-format on
 
-}  // namespace metrolux::core::mitsuba
+Xyz cieObserver(double nanometers) {
+    const double t = (nanometers - kCieFirst) * ((kCieSamples - 1) / (kCieLast - kCieFirst));
+    const int i = std::clamp(static_cast<int>(t), 0, kCieSamples - 2);
+    const double w = t - i;
+    const auto at = [&](const std::array<float, kCieSamples>& table) {
+        return (1 - w) * table[static_cast<size_t>(i)] + w * table[static_cast<size_t>(i) + 1];
+    };
+    return {at(kCieX), at(kCieY), at(kCieZ)};
+}
+
+Rgb rec709Of(const Xyz& c) {
+    return {static_cast<float>(3.240479 * c.x - 1.537150 * c.y - 0.498535 * c.z),
+            static_cast<float>(-0.969256 * c.x + 1.875991 * c.y + 0.041556 * c.z),
+            static_cast<float>(0.055648 * c.x - 0.204043 * c.y + 1.057311 * c.z)};
+}
+
+}  // namespace metrolux::core

@@ -75,7 +75,6 @@ class Coating final : public Bsdf {
     bool hasSmoothLobe() const override { return rough_ || base_->hasSmoothLobe(); }
     bool hasDeltaLobe() const override { return !rough_ || base_->hasDeltaLobe(); }
     bool isNarrow(const SurfaceInteraction& si) const override { return !rough_ && base_->isNarrow(si); }
-    bool isDispersive() const override { return base_->isDispersive(); }
 
   private:
     using Outside = std::optional<RoughInterface::At>;  ///< nothing where it is smooth

@@ -16,7 +16,7 @@ struct Material {
 };
 /// Coefficients of Sellmeier's equation. Glasses: SCHOTT's catalog (2023; SF5, SF10, SF11: of 2000). Fused
 /// silica: Malitson 1965. Sapphire, ordinary ray: Malitson and Dodge 1972. Diamond: Peter 1923. Water at 20
-/// C: Daimon and Masumura 2007. Acrylic glass (PMMA): Sultanova et al. 2009.
+/// C: Daimon and Masumura 2007.
 constexpr Material kMaterials[] = {
     {"BK7", {1.03961212, 0.231792344, 1.01046945}, {0.00600069867, 0.0200179144, 103.560653}},
     {"BAF10", {1.5851495, 0.143559385, 1.08521269}, {0.00926681282, 0.0424489805, 105.613573}},
@@ -33,7 +33,6 @@ constexpr Material kMaterials[] = {
      {1.4313493, 0.65054713, 5.3414021},
      {0.0726631 * 0.0726631, 0.1193242 * 0.1193242, 18.028251 * 18.028251}},
     {"diamond", {0.3306, 4.3356}, {0.175 * 0.175, 0.106 * 0.106}},
-    {"acrylic glass", {1.1819}, {0.011313}},
     {"water",
      {0.5684027565, 0.1726177391, 0.02086189578, 0.1130748688},
      {0.005101829712, 0.01821153936, 0.02620722293, 10.69792721}},

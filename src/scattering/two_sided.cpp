@@ -37,7 +37,6 @@ class TwoSided final : public Bsdf {
         return front_->isNarrow(si) && back_->isNarrow(si);
     }
     bool hasDeltaLobe() const override { return front_->hasDeltaLobe() || back_->hasDeltaLobe(); }
-    bool isDispersive() const override { return front_->isDispersive() || back_->isDispersive(); }
 
   private:
     BsdfPtr front_, back_;

@@ -2,6 +2,7 @@
 
 #include "gltf_support.h"
 #include "pbrt_support.h"
+#include "scattering/refractive_index.h"
 
 #include <gmock/gmock.h>
 

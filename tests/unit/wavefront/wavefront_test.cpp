@@ -13,6 +13,12 @@
 namespace metrolux::core {
 namespace {
 
+/// With dispersion: what has it must be known in both forms.
+std::shared_ptr<Scene> flintScene(bool fog) {
+    return test::glassScene(fog, {RelativeIndex(*Dispersion::named("SF11"), 1)});
+}
+const Wavelength kWavelength = Wavelength::at(0.3);
+
 struct EyeResult {
     std::vector<float> image;
     EyeVertices eyes;
@@ -66,12 +72,6 @@ void expectSameBits(const EyeResult& a, const EyeResult& b) {
         ASSERT_EQ(v.mis.mergeShare, w.mis.mergeShare);
     }
 }
-
-/// With dispersion: what has it must be known in both forms.
-std::shared_ptr<Scene> flintScene(bool fog) {
-    return test::glassScene(fog, {RelativeIndex(*Dispersion::named("SF11"), 1)});
-}
-const Wavelength kWavelength = Wavelength::at(0.3);
 
 /// In the scene without and with fog.
 class EyeWavefrontsIn : public ::testing::TestWithParam<bool> {};

@@ -32,7 +32,7 @@ small() {
     case $1 in  # noisier than the others
         door-ajar) passes=$((3 * passes)) ;;
         environment) passes=$((2 * passes)) ;;
-        haze | murky-pool | wax | cloud) passes=$((4 * passes)) ;;
+        haze | murky-pool | wax | cloud | prism) passes=$((4 * passes)) ;;
     esac
     # shellcheck disable=SC2086
     "$metrolux" render "scenes/$1/scene.xml" --resolution "${GALLERY_SIZE:-336x252}" --passes "$passes" $threads \

@@ -11,7 +11,9 @@ ShapePtr makeMediumPoint(MediumPtr medium);
 
 /// Fills `si` with a point of it.
 inline void placeInMedium(const Shape& mediumPoint, const Vec3f& p, SurfaceInteraction& si) {
+    const float wavelength = si.wavelength;
     si = {};
+    si.wavelength = wavelength;
     si.p = p;
     si.s = Vec3f(1, 0, 0);
     si.ns = Vec3f(0, 0, 1);  // ng stays zero: there is no surface to move off, and no side

@@ -11,7 +11,6 @@
 #include "scattering/mixture.h"
 #include "scattering/null_bsdf.h"
 #include "scattering/plastic.h"
-#include "scattering/rough_dielectric.h"
 #include "scattering/rough_diffuse.h"
 #include "scattering/textures/bitmap_texture.h"
 #include "support/small_scenes.h"
@@ -31,13 +30,6 @@ BsdfPtr glass() {
 RelativeIndex dispersiveIndex() {
     const double a = 1.2, square = sqr(1e-3 * double(kGlassWavelength));
     return {Dispersion::cauchy(std::array{a, (double(kGlassEta) - a) * square}), 1};
-}
-
-BsdfPtr roughGlass(const RelativeIndex& eta) {
-    RoughDielectricParameters p;
-    p.eta = eta;
-    p.alphaU = p.alphaV = constant(Rgb(0.3f));
-    return makeRoughDielectric(p);
 }
 
 BsdfPtr roughMetal() {
@@ -146,10 +138,7 @@ Palette paletteOf(Materials materials, const BsdfPtr& veil) {
         p.screen = veil;
     }
     if (materials == Materials::Media) p.screen = veil;
-    if (materials == Materials::Dispersive) {
-        p.ball = p.water = makeDielectric({dispersiveIndex()});
-        p.smallBall = roughGlass(dispersiveIndex());
-    }
+    if (materials == Materials::Dispersive) p.ball = p.water = makeDielectric({dispersiveIndex()});
     if (materials == Materials::Layered) {
         p.floor = coated(diffuse(0.6f), {});
         p.wall = coated(roughMetal(), MicrofacetDistribution(MicrofacetType::Ggx, 0.3f, 0.3f));

@@ -36,7 +36,7 @@ enum class Materials {
     Shading,    ///< shading normals other than the geometric ones
     Layered,    ///< coatings, mixtures, rough diffuse, a diffuse transmitter
     Media,      ///< in colored fog, with a ball of denser one, a veil, and glass that absorbs
-    Dispersive  ///< glass, smooth and rough, whose index depends on the wavelength
+    Dispersive  ///< glass whose index depends on the wavelength
 };
 
 /// The camera, described once more: its densities are computed here from its parameters.

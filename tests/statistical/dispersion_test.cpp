@@ -53,7 +53,7 @@ TEST_P(Dispersive, AGlassBallInAWhiteSkyVanishesInAllColors) {
     b.camera({0.2f, 0.3f, 3}, {0, 0, 0}, 35, 16, 16);
     RenderSetup s;
     s.integrator = GetParam();
-    s.passes = is("mmlt") ? 128 : 48;
+    s.passes = is("mmlt") ? 256 : 80;
     s.radius = 0.02;
     s.columns = s.rows = 1;
     expectWhite(renderSeeds(*b.build(), s), hasChains() ? 0.3 : 0.1, GetParam());
@@ -61,6 +61,8 @@ TEST_P(Dispersive, AGlassBallInAWhiteSkyVanishesInAllColors) {
 
 TEST_P(Dispersive, AWhiteBallInGlassVanishesInAllColors) {
     if (is("light") || is("mmlt")) GTEST_SKIP() << "as in furnace_test.cpp";
+    if (is("sppm") || is("vpt"))
+        GTEST_SKIP() << "hardly a photon in each of so few pixels: too noisy to decide";
     SceneBuilder b;
     b.add(makeSphere(Transform(), {0, 0, 0}, 1, false), diffuse(1));
     b.add(makeSphere(Transform(), {0, 0, 0}, 1.1f, false), makeDielectric({strongGlass()}));
@@ -68,10 +70,10 @@ TEST_P(Dispersive, AWhiteBallInGlassVanishesInAllColors) {
     b.camera({0.2f, 0.3f, 2.5f}, {0, 0, 0}, 25, 16, 16);
     RenderSetup s;
     s.integrator = GetParam();
-    s.passes = 48;
+    s.passes = hasChains() ? 48 : 96;
     s.radius = 0.02;
     s.columns = s.rows = 1;
-    expectWhite(renderSeeds(*b.build(), s), hasChains() || is("sppm") ? 0.4 : 0.1, GetParam());
+    expectWhite(renderSeeds(*b.build(), s), hasChains() ? 0.4 : 0.1, GetParam());
 }
 
 /// A prism and a rough ball of strong glass on paper, under a lamp that is large enough to be hit.

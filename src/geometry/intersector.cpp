@@ -6,6 +6,7 @@
 #include "geometry/embree_query.h"
 #include "geometry/ray_counters.h"
 #include "geometry/ray_packets.h"
+#include "geometry/ray_recorder.h"
 #include "geometry/triangle_pairs.h"
 #include "geometry/triangle_prefetch.h"
 
@@ -362,8 +363,7 @@ void Intersector::intersect(RayBatch& batch, Coherence coherence) const {
             intersectPackets(scene, impl_->packetWidth, coherence, batch, analyticRays);
         }
     }
-    if (RayRecorder* recorder = RayRecorder::active())
-        for (size_t i = 0; i < n; ++i) recorder->add({batch.rays[i], false, batch.hits[i].found()});
+    if (RayRecorder* recorder = RayRecorder::active()) recorder->add(batch, coherence);
 }
 
 void Intersector::interaction(const RayBatch& batch, size_t i, SurfaceInteraction& si) const {
@@ -397,20 +397,15 @@ void Intersector::occluded(OcclusionBatch& batch, Coherence coherence) const {
         else
             occludedPackets(scene, impl_->packetWidth, batch);
     }
-    if (RayRecorder* recorder = RayRecorder::active())
-        for (size_t i = 0; i < n; ++i) recorder->add({batch.rays[i], true, batch.blocked[i] != 0});
+    if (RayRecorder* recorder = RayRecorder::active()) recorder->add(batch, coherence);
 }
 
-size_t Intersector::replay(std::span<const RecordedRay> rays) const {
-    size_t different = 0;
+bool Intersector::meets(const Ray& ray) const {
     Ray analyticRay;
     RTCRayHit query;
-    for (const RecordedRay& r : rays) {
-        const bool found = r.occlusion ? anything(impl_->top.scene, r.ray)
-                                       : nearest(impl_->top.scene, r.ray, query, analyticRay);
-        different += found != r.hit;
-    }
-    return different;
+    const bool found = nearest(impl_->top.scene, ray, query, analyticRay);
+    if (RayRecorder* recorder = RayRecorder::active()) recorder->add({ray, false, found});
+    return found;
 }
 
 int Intersector::packetWidth() const { return impl_->packetWidth; }

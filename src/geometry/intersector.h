@@ -1,6 +1,5 @@
 #pragma once
 #include "geometry/ray_batch.h"
-#include "geometry/ray_recorder.h"
 #include "geometry/shape.h"
 
 #include <memory>
@@ -57,9 +56,8 @@ class Intersector {
     /// Fills `blocked`.
     void occluded(OcclusionBatch& batch, Coherence coherence = Coherence::None) const;
 
-    /// Asks Embree the same again and does nothing with the answers: what tracing rays alone costs. Returns
-    /// how many answers differ from the recorded ones (none, on the scene that they were recorded on).
-    size_t replay(std::span<const RecordedRay> rays) const;
+    /// Whether intersect() would find a hit, by the same query of Embree: what tracing alone costs.
+    bool meets(const Ray& ray) const;
 
     void bounds(Vec3f& lower, Vec3f& upper) const;
     /// Rays that the machine traces as a whole, 1, 4, 8 or 16.

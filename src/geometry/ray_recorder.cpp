@@ -11,9 +11,29 @@ RayRecorder::Activity::Activity(RayRecorder& recorder) {
     if (!active_.compare_exchange_strong(none, &recorder)) throw Error("rays are being recorded already");
 }
 
-std::vector<std::span<const RecordedRay>> RayRecorder::byThread() const {
-    std::vector<std::span<const RecordedRay>> result;
-    for (const std::vector<RecordedRay>& rays : rays_) result.emplace_back(rays);
+void RayRecorder::add(const RecordedRay& ray) {
+    RecordedThread& thread = threads_.local();
+    thread.rays.push_back(ray);
+    thread.calls.push_back({});
+}
+
+void RayRecorder::add(const RayBatch& batch, Coherence coherence) {
+    RecordedThread& thread = threads_.local();
+    for (size_t i = 0; i < batch.size(); ++i)
+        thread.rays.push_back({batch.rays[i], false, batch.hits[i].found()});
+    thread.calls.push_back({batch.size(), true, coherence});
+}
+
+void RayRecorder::add(const OcclusionBatch& batch, Coherence coherence) {
+    RecordedThread& thread = threads_.local();
+    for (size_t i = 0; i < batch.size(); ++i)
+        thread.rays.push_back({batch.rays[i], true, batch.blocked[i] != 0});
+    thread.calls.push_back({batch.size(), true, coherence});
+}
+
+std::vector<const RecordedThread*> RayRecorder::byThread() const {
+    std::vector<const RecordedThread*> result;
+    for (const RecordedThread& thread : threads_) result.push_back(&thread);
     return result;
 }
 

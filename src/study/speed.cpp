@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/memory_budget.h"
 #include "base/parallel.h"
+#include "geometry/ray_replay.h"
 #include "integrators/iteration.h"
 #include "render/threads.h"
 #include "transport/light_subpath_pass.h"
@@ -74,26 +75,16 @@ struct RayCount {
 
 RayCount countOf(const RayRecorder& recorder) {
     RayCount count;
-    for (const auto rays : recorder.byThread()) count.add(rays);
+    for (const RecordedThread* thread : recorder.byThread()) count.add(thread->rays);
     return count;
 }
 
-/// Replays what was recorded, in pieces that keep the order of their thread.
-Lap replay(const Scene& scene, const RayRecorder& recorder, int threads) {
-    constexpr size_t kPiece = 16384;
-    std::vector<std::span<const RecordedRay>> pieces;
-    for (auto rays : recorder.byThread())
-        for (; !rays.empty(); rays = rays.subspan(std::min(kPiece, rays.size())))
-            pieces.push_back(rays.first(std::min(kPiece, rays.size())));
-    std::atomic<size_t> different{0};
+/// Replays what was recorded.
+Lap replay(RayReplay& rays, int threads) {
     ThreadLimit limit(threads);
-    const Lap lap = measure([&] {
-        limit.execute([&] {
-            parallelFor(pieces.size(), [&](size_t i) { different += scene.intersector().replay(pieces[i]); });
-        });
-    });
-    if (different > 0)
-        throw std::logic_error(fmt::format("{} replayed rays got another answer", different.load()));
+    const Lap lap = measure([&] { limit.execute([&] { rays.run(); }); });
+    if (rays.different() > 0)
+        throw std::logic_error(fmt::format("{} replayed rays got another answer", rays.different()));
     return lap;
 }
 
@@ -101,7 +92,7 @@ Lap replay(const Scene& scene, const RayRecorder& recorder, int threads) {
 struct Way {
     int threads;
     Renderer renderer;
-    std::vector<Lap> passes, replays;
+    std::vector<Lap> passes, replays, sortedReplays;
 
     Way(int t, const Scene& scene, const SpeedOptions& o) : threads(t), renderer(scene, o) {}
 
@@ -112,9 +103,13 @@ struct Way {
                 {"cpu_seconds_per_pass", median(column(passes, &Lap::cpu))},
                 {"replay_seconds", median(column(replays, &Lap::wall))},
                 {"replay_cpu_seconds", median(column(replays, &Lap::cpu))},
+                {"sorted_replay_seconds", median(column(sortedReplays, &Lap::wall))},
+                {"sorted_replay_cpu_seconds", median(column(sortedReplays, &Lap::cpu))},
                 {"rays_per_second", rays / seconds},
                 {"ray_efficiency", median(ratios(replays, passes, &Lap::wall))},
-                {"ray_efficiency_cpu", median(ratios(replays, passes, &Lap::cpu))}};
+                {"ray_efficiency_cpu", median(ratios(replays, passes, &Lap::cpu))},
+                {"sorted_ray_efficiency", median(ratios(sortedReplays, passes, &Lap::wall))},
+                {"sorted_ray_efficiency_cpu", median(ratios(sortedReplays, passes, &Lap::cpu))}};
     }
 };
 
@@ -140,9 +135,12 @@ nlohmann::json measurePasses(const Scene& scene, const SpeedOptions& o) {
         intersect.push_back(double(rays.intersect));
         occlusion.push_back(double(rays.occlusion));
         vertices.push_back(double(rays.hits));
+        RayReplay asCalled(scene.intersector(), recorder, RayReplay::Order::AsCalled);
+        RayReplay sorted(scene.intersector(), recorder, RayReplay::Order::Sorted);
         for (auto& way : ways) {
             way->passes.push_back(way->renderer.pass(way->threads));
-            way->replays.push_back(replay(scene, recorder, way->threads));
+            way->replays.push_back(replay(asCalled, way->threads));
+            way->sortedReplays.push_back(replay(sorted, way->threads));
         }
     }
 
@@ -275,12 +273,14 @@ nlohmann::json measureTechniques(const Scene& scene, const SpeedOptions& o) {
 }
 
 std::string speedTable(const nlohmann::json& passes, const nlohmann::json& techniques) {
-    std::string text = fmt::format("{:>8} {:>10} {:>10} {:>12} {:>15}\n", "threads", "s/pass", "CPU s/pass",
-                                   "Mrays/s", "ray efficiency");
+    std::string text = fmt::format("{:>8} {:>10} {:>10} {:>12} {:>15} {:>12}\n", "threads", "s/pass",
+                                   "CPU s/pass", "Mrays/s", "ray efficiency", "rays sorted");
     for (const auto& way : passes["ways"])
-        text += fmt::format("{:8} {:10.4f} {:10.4f} {:12.3f} {:15.3f}\n", way["threads"].get<int>(),
-                            way["seconds_per_pass"].get<double>(), way["cpu_seconds_per_pass"].get<double>(),
-                            1e-6 * way["rays_per_second"].get<double>(), way["ray_efficiency"].get<double>());
+        text +=
+            fmt::format("{:8} {:10.4f} {:10.4f} {:12.3f} {:15.3f} {:12.3f}\n", way["threads"].get<int>(),
+                        way["seconds_per_pass"].get<double>(), way["cpu_seconds_per_pass"].get<double>(),
+                        1e-6 * way["rays_per_second"].get<double>(), way["ray_efficiency_cpu"].get<double>(),
+                        way["sorted_ray_efficiency_cpu"].get<double>());
     if (passes.contains("speedup"))
         text += fmt::format("speedup {:.2f} (by CPU time {:.2f})\n", passes["speedup"].get<double>(),
                             passes["speedup_cpu"].get<double>());

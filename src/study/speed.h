@@ -17,9 +17,10 @@ struct SpeedOptions {
     uint32_t warmUp = 3;  ///< passes before them: the chains of mcmc_vcm start with the third
 };
 
-/// Whole passes of the integrator, with `threads` threads and with one, each beside the replay of the pass's
-/// rays through bare Embree. The ways take turns pass by pass and all numbers are medians over the rounds, so
-/// that a disturbance of the machine hits them alike. `ray_efficiency` is replay time / render time.
+/// Whole passes of the integrator, with `threads` threads and with one, each beside replays of the pass's
+/// rays (RayReplay). The ways take turns pass by pass and all numbers are medians over the rounds, so that a
+/// disturbance of the machine hits them alike. `ray_efficiency` is the time of the same calls / render time,
+/// `sorted_ray_efficiency` that of the rays in sorted packets.
 nlohmann::json measurePasses(const Scene& scene, const SpeedOptions& options);
 
 /// Nanoseconds of a thread per path vertex, next-event estimation, merge, connection and splat: from passes

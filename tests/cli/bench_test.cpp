@@ -25,6 +25,7 @@ TEST_F(CliTest, BenchMeasuresRaysAndTechniques) {
     ASSERT_EQ(j["passes"]["ways"].size(), 2u);
     for (const auto& way : j["passes"]["ways"]) {
         EXPECT_GT(way["ray_efficiency"], 0);
+        EXPECT_GT(way["sorted_ray_efficiency"], 0);
         EXPECT_LT(way["ray_efficiency_cpu"], 1.5);  // near 1 only if nothing but rays cost time
         EXPECT_GT(way["rays_per_second"], 0);
     }

@@ -17,39 +17,6 @@ TEST(Intersector, EmptySceneHitsNothing) {
     expectNear(lower, upper, 0, "bounds");
 }
 
-TEST(RayRecorder, ReplayFindsTheSameAnswers) {
-    const Intersector scene({makeCube(Transform(), false), makeSphere(Transform(), {3, 0, 0}, 1, false)}, {});
-    const auto trace = [&](uint64_t seed) {
-        CounterRng rng(hashKey(seed));
-        for (int i = 0; i < 500; ++i) {
-            const Vec3f from = warp::squareToSphere(rng.next2D()) * 5.0f;
-            const Vec3f to = warp::squareToSphere(rng.next2D()) * 4.0f;
-            const Ray ray{from, normalize(to - from)};
-            SurfaceInteraction si;
-            scene.intersect(ray, si);
-            scene.occluded(ray);
-        }
-    };
-    trace(1);  // before: not recorded
-    RayRecorder recorder;
-    recorder.record([&] { trace(2); });
-    trace(3);
-    EXPECT_EQ(RayRecorder::active(), nullptr);
-    ASSERT_EQ(recorder.byThread().size(), 1u);
-    const std::span<const RecordedRay> rays = recorder.byThread().front();
-    ASSERT_EQ(rays.size(), 1000u);
-    size_t hits = 0;
-    for (size_t i = 0; i < rays.size(); ++i) {
-        EXPECT_EQ(rays[i].occlusion, i % 2 == 1);
-        EXPECT_EQ(rays[i].hit, rays[i ^ 1].hit);
-        hits += rays[i].hit;
-    }
-    EXPECT_TRUE(hits > 50 && hits < 950);
-    EXPECT_EQ(scene.replay(rays), 0u);
-    // Another scene answers otherwise: the replay does trace.
-    EXPECT_EQ(Intersector({}, {}).replay(rays), hits);
-}
-
 /// Each ray of a batch gets the answer that it gets alone, to the bit: meshes and analytic shapes, placed and
 /// instanced, in triangles and in pairs of them; packets that are full and not, and batches too small for
 /// packets.
@@ -109,31 +76,6 @@ TEST(Intersector, BatchesGiveTheAnswersOfSingleRays) {
                     EXPECT_EQ(scene.occluded(shadows.rays[i]), shadows.blocked[i] != 0);
             }
         }
-}
-
-TEST(RayRecorder, RecordsBatches) {
-    const Intersector scene({makeCube(Transform(), false)}, {});
-    RayBatch batch;
-    OcclusionBatch shadows;
-    for (int i = 0; i < 20; ++i) {
-        batch.rays.push_back({{0.1f * static_cast<float>(i), 0.2f, 5}, {0, 0, -1}});
-        shadows.rays.push_back({{0.1f * static_cast<float>(i), 0.2f, 5}, {0, 0, -1}, 1});
-    }
-    RayRecorder recorder;
-    recorder.record([&] {
-        scene.intersect(batch);
-        scene.occluded(shadows);
-    });
-    ASSERT_EQ(recorder.byThread().size(), 1u);
-    const std::span<const RecordedRay> rays = recorder.byThread().front();
-    ASSERT_EQ(rays.size(), 40u);
-    for (size_t i = 0; i < 20; ++i) {
-        EXPECT_EQ(rays[i].ray.origin, batch.rays[i].origin);
-        EXPECT_FALSE(rays[i].occlusion);
-        EXPECT_EQ(rays[i].hit, batch.rays[i].origin.x <= 1);
-        EXPECT_TRUE(rays[20 + i].occlusion);
-        EXPECT_FALSE(rays[20 + i].hit);
-    }
 }
 
 TEST(Intersector, FindsTheNearestOfMixedShapes) {

@@ -96,7 +96,7 @@ TEST_P(Dispersive, AgreesWithPathTracing) {
     // Light tracing does not see what lies behind smooth glass, photon mapping blurs it.
     if (is("light") || is("sppm") || is("vpt")) GTEST_SKIP() << "does not find all the light, or blurs it";
     const auto scene = glassOnPaper();
-    RenderSetup path{"path", 64}, other{GetParam(), is("mmlt") ? 96 : hasChains() ? 64 : 32, 0.01};
+    RenderSetup path{"path", 64}, other{GetParam(), is("mmlt") ? 160 : hasChains() ? 64 : 32, 0.01};
     for (RenderSetup* s : {&path, &other}) s->columns = s->rows = 2;
     expectSame(renderSeeds(*scene, path), renderSeeds(*scene, other), is("mmlt") ? 0.5 : 0.25, GetParam(),
                true);

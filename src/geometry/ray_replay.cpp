@@ -46,6 +46,13 @@ void RayReplay::add(Call call, size_t rays) {
     pieces_.back().rays += rays;
 }
 
+void RayReplay::addBatch(std::span<const RecordedRay> rays, Coherence coherence) {
+    if (rays.front().occlusion)
+        add(Together<OcclusionBatch>(rays, coherence), rays.size());
+    else
+        add(Together<RayBatch>(rays, coherence), rays.size());
+}
+
 void RayReplay::take(const RecordedThread& thread) {
     std::span<const RecordedRay> rest = thread.rays;
     for (const RecordedCall& call : thread.calls) {
@@ -53,10 +60,8 @@ void RayReplay::take(const RecordedThread& thread) {
         rest = rest.subspan(call.count);
         if (!call.batch)
             add(Single{rays.front()}, 1);
-        else if (!rays.empty() && rays.front().occlusion)
-            add(Together<OcclusionBatch>(rays, call.coherence), rays.size());
         else if (!rays.empty())
-            add(Together<RayBatch>(rays, call.coherence), rays.size());
+            addBatch(rays, call.coherence);
     }
 }
 
@@ -75,10 +80,7 @@ void RayReplay::sort(const RayRecorder& recorder) {
         for (std::span<const RecordedRay> rest = sorted; !rest.empty();) {
             const std::span<const RecordedRay> batch = rest.first(std::min(rest.size(), kRaysInBatch));
             rest = rest.subspan(batch.size());
-            if (occlusion)
-                add(Together<OcclusionBatch>(batch, Coherence::None), batch.size());
-            else
-                add(Together<RayBatch>(batch, Coherence::None), batch.size());
+            addBatch(batch, Coherence::None);
         }
     }
 }

@@ -16,10 +16,9 @@ class RayReplay {
         /// The same calls: the same batches with the same flags, and single rays, in the order of their
         /// thread.
         AsCalled,
-        /// All rays in full packets, sorted by the octant of their direction and along a Morton curve by
-        /// their
-        /// origin. No renderer can do that, as a ray is known when the one before it has been traced: with
-        /// Order::AsCalled where that is faster, the limit of what tracing can cost.
+        /// All rays in full packets, sorted by the octant of their direction and by their origin along a
+        /// Morton curve. No renderer can do that, as a ray is known when the one before it has been traced:
+        /// with Order::AsCalled where that is faster, the limit of what tracing can cost.
         Sorted
     };
     RayReplay(const Intersector& intersector, const RayRecorder& recorder, Order order);
@@ -35,6 +34,11 @@ class RayReplay {
         RecordedRay recorded;
         bool hit = false;
     };
+    static void makeRoom(RayBatch& batch) {
+        batch.hits.resize(batch.size());
+        batch.localRays.resize(batch.size());
+    }
+    static void makeRoom(OcclusionBatch& batch) { batch.blocked.resize(batch.size()); }
     template <class Batch>
     struct Together {
         Batch batch;
@@ -46,6 +50,7 @@ class RayReplay {
                 batch.rays.push_back(r.ray);
                 recorded.push_back(r.hit);
             }
+            makeRoom(batch);
         }
     };
     using Call = std::variant<Single, Together<RayBatch>, Together<OcclusionBatch>>;
@@ -57,6 +62,8 @@ class RayReplay {
     void take(const RecordedThread& thread);
     void sort(const RayRecorder& recorder);
     void add(Call call, size_t rays);
+    /// Of one kind, and not none.
+    void addBatch(std::span<const RecordedRay> rays, Coherence coherence);
 
     const Intersector& intersector_;
     std::vector<Piece> pieces_;

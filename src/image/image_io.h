@@ -51,10 +51,9 @@ inline constexpr const char* kAlphaLayer = "alpha";
 
 /// More channels of an EXR, named "name.channel", and those of cryptomattes "name00.R".
 struct ImageLayer {
-    std::string name;  ///< "albedo"
-    std::vector<std::string>
-        channels;               ///< "R", "G", "B"; of cryptomattes with the number of the rank, "00.R"
-    std::vector<float> pixels;  ///< channels interleaved
+    std::string name;                   ///< "albedo"
+    std::vector<std::string> channels;  ///< "R", "G", "B"; those of cryptomattes are "00.R", "01.R" ...
+    std::vector<float> pixels;          ///< channels interleaved
 };
 /// Row by row; points are rows that are multiplied from the left, as in OpenEXR.
 using Matrix = std::array<float, 16>;

@@ -114,7 +114,7 @@ void directPass(const EyePass& pass, std::span<const uint32_t> pixels, Film& fil
     PathLimits oneEdge = pass.limits;
     oneEdge.maxDepth = 1;
     Strategies strategies = Strategies::hitsAlone();
-    strategies.wavelength = pass.strategies.wavelength;
+    strategies.wavelength = wavelengthOf(pass.scene, pass.seed, pass.pass);
     EyeVertices none;
     EyeWavefronts().run({pass.scene, oneEdge, strategies, pass.nonFinite, pass.seed, pass.pass}, pixels, film,
                         none);

@@ -57,8 +57,8 @@ class RadiusSchedule {
 inline constexpr double kPhotonCell = 8;
 
 /// The pass of emitters that the camera sees directly (paths of one edge), one eye ray for each of `pixels`:
-/// `pass` without its strategies and longer paths. Integrators that find all other light by light subpaths or
-/// chains add it.
+/// `pass` without its strategies and longer paths, at the wavelength of the pass. Integrators that find all
+/// other light by light subpaths or chains add it.
 void directPass(const EyePass& pass, std::span<const uint32_t> pixels, Film& film);
 
 /// Number of independent lanes of chains that together take `steps` steps: long chains, and enough of them

@@ -152,7 +152,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
             light.work = &work;
             if (chains) light.tail = &noise_->tail();
         }
-        const bool judged = chains && judging() && chainsTakePart_;
+        const bool judged = judgingChains() && chainsTakePart_;
         if (judged) lightNoise_->beginIteration(film);
         chains_.run(light, film, iteration, photons_.get());
         if (judged) lightNoise_->endIteration(film, chains_.squares(), n);
@@ -170,14 +170,14 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
         noise_->begin(*eyeFactors_, noiseImportance_, static_cast<uint8_t>(lightSubpaths()),
                       partition_.parts());
         work_ = {};
-        if (lightSubpaths() == LightSubpaths::Chains) surprise_ = {};
+        if (judgingChains()) surprise_ = {};
     }
     void endPass(const Film& film) override {
         if (image_) image_->addPass(film);
         if (noise_) noise_->addEyes(*eyeFactors_);
         if (noise_ && noise_->open()) noise_->close(*image_, work_);
         if (!choosing_ || !chainsTakePart_) return;
-        const bool judgedChains = judging() && lightSubpaths() == LightSubpaths::Chains;
+        const bool judgedChains = judgingChains();
         if (judgedChains) lightNoise_->endPass(noiseImportance_);
         choice_.endPass(lightNoise_->gain(), [&] {
             noiseImportance_.update(*image_, PixelImportance::kDarkestOfNoise);
@@ -185,7 +185,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
                                        surprise_);
             return verdict_.lossOfAlone();
         });
-        if (judgedChains && !(judging() && lightSubpaths() == LightSubpaths::Chains)) lightNoise_->end();
+        if (judgedChains && !judgingChains()) lightNoise_->end();
         if (!noise_ || judging()) return;
         noise_->end();
         if (choice_.halfWay()) noise_->noteHalf(*image_);
@@ -201,6 +201,7 @@ class McmcVcmIntegrator final : public Resumable<McmcVcmIntegrator, IteratedInte
     double samples() const { return double(partition_.pixels(0).size()); }
     LightSubpaths lightSubpaths() const { return choosing_ ? choice_.next() : LightSubpaths::Chains; }
     bool judging() const { return choosing_ && choice_.judging(); }
+    bool judgingChains() const { return judging() && lightSubpaths() == LightSubpaths::Chains; }
     /// Whether the iterations of this pass weigh what their light subpaths add as noise.
     bool noiseIsWeighed() const { return parameters_.replicas.split.measured || judging(); }
     bool relative() const { return parameters_.target == McmcVcmParameters::Target::Relative; }

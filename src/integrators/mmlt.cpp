@@ -57,9 +57,7 @@ class MmltIntegrator final : public Resumable<MmltIntegrator> {
 
     void addPass(Film& film, uint32_t pass) override {
         const Strategies strategies = Strategies::bidirectional(1, 0);
-        Strategies direct = strategies;
-        direct.wavelength = wavelengthOf(scene_, options_.seed, pass);  // chains have their own
-        directPass({scene_, options_.limits, direct, nonFinite_, options_.seed, pass}, pixels_, film);
+        directPass({scene_, options_.limits, strategies, nonFinite_, options_.seed, pass}, pixels_, film);
         const PathPair pair{scene_, options_.limits, strategies, film, nonFinite_};
         if (budgets_.empty()) shareOut(pair);
         for (size_t i = 0; i < samplers_.size(); ++i)

@@ -22,9 +22,7 @@ class PssmltIntegrator final : public Resumable<PssmltIntegrator> {
 
     void addPass(Film& film, uint32_t pass) override {
         const Strategies strategies = Strategies::bidirectional(1, 0);
-        Strategies direct = strategies;
-        direct.wavelength = wavelengthOf(scene_, options_.seed, pass);  // chains have their own
-        directPass({scene_, options_.limits, direct, nonFinite_, options_.seed, pass}, pixels_, film);
+        directPass({scene_, options_.limits, strategies, nonFinite_, options_.seed, pass}, pixels_, film);
         const PathPair pair{scene_, options_.limits, strategies, film, nonFinite_};
         sampler_.integrate(pixels_.size(), evaluatorOf(pair), payTo(film));
     }

@@ -39,6 +39,12 @@ class ColorParameter {
     TexturePtr texture_;
 };
 
+/// Share of the specular lobe in samples of a diffuse base and a specular coat, by their mean colors.
+inline float specularShare(const ColorParameter& diffuse, const ColorParameter& specular) {
+    const float diffuseMean = average(diffuse.mean()), specularMean = average(specular.mean());
+    return specularMean > 0 ? specularMean / (diffuseMean + specularMean) : 0.0f;
+}
+
 /// A color as a reflectance: each channel in [0, 1]. For albedo(), which promises that range.
 inline Rgb clampUnit(const Rgb& c) {
     return {std::clamp(c.x, 0.0f, 1.0f), std::clamp(c.y, 0.0f, 1.0f), std::clamp(c.z, 0.0f, 1.0f)};

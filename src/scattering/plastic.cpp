@@ -17,8 +17,7 @@ class Plastic final : public Bsdf {
           nonlinear_(p.nonlinear),
           internal_(fresnelDiffuseReflectance(1.0f / p.eta)),
           external_(fresnelDiffuseReflectance(p.eta)) {
-        const float diffuseMean = average(diffuse_.mean()), specularMean = average(specular_.mean());
-        specularWeight_ = specularMean > 0 ? specularMean / (diffuseMean + specularMean) : 0.0f;
+        specularWeight_ = specularShare(diffuse_, specular_);
     }
 
     std::optional<BsdfSample> sample(const SurfaceInteraction& si, const Vec3f& known, TransportMode mode,

@@ -19,8 +19,7 @@ class RoughPlastic final : public Bsdf {
           coat_(p.alphaTexture
                     ? RoughInterface(p.distribution, p.alphaTexture, p.eta, true)
                     : RoughInterface(MicrofacetDistribution(p.distribution, p.alpha, p.alpha), p.eta, true)) {
-        const float diffuseMean = average(diffuse_.mean()), specularMean = average(specular_.mean());
-        specularWeight_ = specularMean > 0 ? specularMean / (diffuseMean + specularMean) : 0.0f;
+        specularWeight_ = specularShare(diffuse_, specular_);
     }
 
     std::optional<BsdfSample> sample(const SurfaceInteraction& si, const Vec3f& known, TransportMode mode,

@@ -17,8 +17,7 @@ class SeparatePlastic final : public Bsdf {
           alphaU_(p.alphaU, 0.1f),
           alphaV_(p.alphaV, 0.1f),
           distribution_(p.distribution) {
-        const float diffuseMean = average(diffuse_.mean()), specularMean = average(specular_.mean());
-        specularWeight_ = specularMean > 0 ? specularMean / (diffuseMean + specularMean) : 0.0f;
+        specularWeight_ = specularShare(diffuse_, specular_);
     }
 
     std::optional<BsdfSample> sample(const SurfaceInteraction& si, const Vec3f& known, TransportMode mode,

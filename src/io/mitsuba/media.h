@@ -10,7 +10,9 @@ namespace metrolux::core::mitsuba {
 
 /// Null when it is left out. Throws Error.
 MediumPtr makeMedium(const Element& element, LoadContext& context);  // plugins_medium.cpp
-/// Its place among the media of the scene, to which it is added; 0 when it is left out. Throws Error.
+/// Adds it to the media of the scene: its place among them, 0 when it is left out. Throws Error.
+MediumIndex addMedium(const Element& element, LoadContext& context);
+/// The same, once for each element.
 MediumIndex mediumIndex(const Element& element, LoadContext& context);
 /// The medium in a sensor or an emitter, under any name. Throws Error for several.
 std::optional<MediumIndex> mediumOf(const Element& element, LoadContext& context);

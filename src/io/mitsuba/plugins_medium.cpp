@@ -185,19 +185,20 @@ MediumPtr makeMedium(const Element& element, LoadContext& context) {
     return nullptr;
 }
 
-MediumIndex mediumIndex(const Element& element, LoadContext& context) {
-    if (const auto found = context.mediumIndices.find(&element); found != context.mediumIndices.end())
-        return found->second;
+MediumIndex addMedium(const Element& element, LoadContext& context) {
     constexpr size_t kMost = std::numeric_limits<MediumIndex>::max();
     if (context.media.size() >= kMost)
         throw element.error(fmt::format("found more than {} media, expected as many at most", kMost));
-    MediumIndex index = 0;
-    if (MediumPtr medium = makeMedium(element, context)) {
-        context.media.push_back(std::move(medium));
-        index = static_cast<MediumIndex>(context.media.size());
-    }
-    context.mediumIndices[&element] = index;
-    return index;
+    MediumPtr medium = makeMedium(element, context);
+    if (!medium) return 0;
+    context.media.push_back(std::move(medium));
+    return static_cast<MediumIndex>(context.media.size());
+}
+
+MediumIndex mediumIndex(const Element& element, LoadContext& context) {
+    if (const auto found = context.mediumIndices.find(&element); found != context.mediumIndices.end())
+        return found->second;
+    return context.mediumIndices[&element] = addMedium(element, context);
 }
 
 std::optional<MediumIndex> mediumOf(const Element& element, LoadContext& context) {

@@ -65,7 +65,7 @@ bool isSkewed(const Transform& map, bool alsoAlongZ) {
 ShapePtr makeSphereShape(const Element& element, LoadContext& context) {
     Transform map = context.toWorld(element);
     const bool flip = element.boolean("flip_normals", false);
-    const Vec3d center = element.point("center", Vec3d(0.0));
+    Vec3d center = element.point("center", Vec3d(0.0));
     const float radius = element.number("radius", 1.0f);
     if (isSkewed(map, true)) {
         const Transform turn = orthogonalPart(map);
@@ -74,9 +74,9 @@ ShapePtr makeSphereShape(const Element& element, LoadContext& context) {
         const Vec3d middle = map.exactPoint(center);
         map = withColumns(Transform::translate(middle), column(turn, 0) * stretch, column(turn, 1) * stretch,
                           column(turn, 2) * stretch);
-        // A map that mirrors turns the normals in 2.x and 3.x, but not in 0.6.
-        return makeSphere(map, Vec3d(0.0), radius, flip != (element.isLegacy() && map.determinant3() < 0));
+        center = Vec3d(0.0);
     }
+    // A map that mirrors turns the normals in 2.x and 3.x, but not in 0.6.
     return makeSphere(map, center, radius, flip != (element.isLegacy() && map.determinant3() < 0));
 }
 

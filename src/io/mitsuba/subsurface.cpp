@@ -31,8 +31,8 @@ float indexOf(const std::string& material) {
 
 /// The medium of a `dipole`, which shapes may share.
 MediumIndex mediumOfDipole(const ElementPtr& dipole, LoadContext& context) {
-    if (const auto found = context.built.find(dipole.get()); found != context.built.end())
-        return *std::static_pointer_cast<const MediumIndex>(found->second);
+    if (const auto found = context.mediumIndices.find(dipole.get()); found != context.mediumIndices.end())
+        return found->second;
     Element medium = *dipole;
     medium.tag = "medium";
     medium.type = "homogeneous";
@@ -42,10 +42,7 @@ MediumIndex mediumOfDipole(const ElementPtr& dipole, LoadContext& context) {
                std::any_of(std::begin(kSampling), std::end(kSampling), has);
     };
     std::erase_if(medium.named, isOther);
-    const MediumIndex index = mediumIndex(medium, context);
-    context.mediumIndices.erase(&medium);  // which is gone soon
-    context.built[dipole.get()] = std::make_shared<const MediumIndex>(index);
-    return index;
+    return context.mediumIndices[dipole.get()] = addMedium(medium, context);
 }
 
 /// The model of facets that the shape's own BSDF has, or null.
